@@ -1,0 +1,1 @@
+"""The command line: the only place where messages are printed and exit codes are set."""

@@ -1,0 +1,119 @@
+"""The continuous optimal control problem: nothing discrete and nothing of YAML in it.
+
+    minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
+    subject to dx/dt = f(t, x, u, p)                         at every time,
+               lower <= g(t, x, u, p) <= upper               at every time      (path),
+               lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
+               lower <= integral of g(t, x, u, p) dt <= upper                   (integral),
+               bounds on x, u, p, t0, tF, x(t0), x(tF).
+
+This is problem (1.1)-(1.7) of the paper with static parameters p added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, Protocol
+
+import numpy as np
+
+
+class Function(Protocol):
+    """A scalar function of named values.
+
+    Called with `values`, which maps the names t, the states, the controls and the static parameters (or, at the
+    boundary, "t[initial]", "q1[final]", ...) to numbers, NumPy arrays of one shape, or Pyomo expressions, and with
+    the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
+    """
+
+    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Range:
+    """Closed interval; a fixed value where both ends are equal."""
+
+    lower: float = -inf
+    upper: float = inf
+
+    @property
+    def fixed(self) -> bool:
+        return self.lower == self.upper
+
+    def clip(self, value: float) -> float:
+        return min(max(value, self.lower), self.upper)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A control or a static parameter."""
+
+    name: str
+    unit: str = ""
+    bounds: Range = Range()
+
+
+@dataclass(frozen=True)
+class State(Variable):
+    """A differential state: its rate f_i(t, x, u, p) and its ranges at both ends (inside `bounds`)."""
+
+    rate: Function = None
+    initial: Range = Range()
+    final: Range = Range()
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """lower <= function <= upper, at every time, at the boundary, or integrated over time."""
+
+    name: str
+    function: Function
+    bounds: Range
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A piecewise linear initial trajectory.
+
+    s: (K,) increasing, 0 at the initial and 1 at the final time. values: name of each state and control -> (K,).
+    """
+
+    initial_time: float
+    final_time: float
+    s: np.ndarray
+    values: Mapping[str, np.ndarray]
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    def sample(self, name: str, s: np.ndarray) -> np.ndarray:
+        """Values of one state or control at normalised times s, any shape."""
+        return np.interp(s, self.s, self.values[name])
+
+
+@dataclass(frozen=True)
+class Phase:
+    """One phase: its own time, states, controls and constraints. `unit` is the unit of time."""
+
+    name: str
+    initial_time: Range
+    final_time: Range
+    states: tuple[State, ...]
+    controls: tuple[Variable, ...]
+    guess: Guess
+    path: tuple[Constraint, ...] = ()
+    boundary: tuple[Constraint, ...] = ()
+    integral: tuple[Constraint, ...] = ()
+    lagrange: Function | None = None
+    mayer: Function | None = None
+    time_unit: str = "s"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The whole problem. `sense` is +1 to minimise and -1 to maximise; `parameters` are those to optimise."""
+
+    name: str
+    sense: int
+    phases: tuple[Phase, ...]
+    parameters: tuple[Variable, ...] = ()

@@ -1,0 +1,1 @@
+"""Result files: a solution <-> HDF5, and what is read off a result alone."""
