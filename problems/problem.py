@@ -108,6 +108,18 @@ class Phase:
     mayer: Function | None = None
     time_unit: str = "s"
 
+    def values(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
+        """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
+        states = {state.name: row for state, row in zip(self.states, x, strict=True)}
+        controls = {control.name: row for control, row in zip(self.controls, u, strict=True)}
+        return {"t": t, **states, **controls, **p}
+
+    def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
+        """f(t, x, u, p), shape (n_x, ...)."""
+        values = self.values(t, x, u, p)
+        with np.errstate(all="ignore"):
+            return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])
+
 
 @dataclass(frozen=True)
 class Problem:

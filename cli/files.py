@@ -1,0 +1,67 @@
+"""`trajopt check`, `export`, `init`: problem files and models."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .common import command, load_all
+from .solve import Files, Force, Method, Segments, Set, overrides
+
+
+@command
+def check(files: Files, set_: Set = ()) -> None:
+    """Check problem files and name every mistake in them, without solving.
+
+    Example: trajopt check my_problem.yaml
+    """
+    for spec in load_all(files, list(set_)):
+        for warning in spec.warnings:
+            print(f"warning: {warning}", file=sys.stderr)
+        print(
+            f"{spec.file}: no mistakes; {len(spec.states)} states, {len(spec.controls)} controls, "
+            f"{len(spec.parameters)} parameters, {len(spec.mesh)} meshes"
+        )
+
+
+@command
+def export(
+    file: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A problem file, or a name from 'trajopt list'.")],
+    output: Annotated[Path, typer.Argument(metavar="OUT", help="out.nl, out.gms or out.tex")],
+    set_: Set = (),
+    method: Method = None,
+    segments: Segments = None,
+    force: Force = False,
+) -> None:
+    """Write the nonlinear program of the last mesh, expanded, for other solvers (.nl, .gms) or for reading (.tex).
+
+    Example: trajopt export cartpole cartpole.nl --segments 10
+    """
+    (spec,) = load_all([file], overrides(set_, method, segments, None))
+
+    from ..problems.build import build
+    from ..transcription.export import export as write
+    from ..transcription.solve import steps
+
+    problem = build(spec)
+    for path in write(problem, [steps(spec.mesh)[-1].mesh()] * len(problem.phases), output, force):
+        print(path)
+
+
+@command
+def init(
+    name: Annotated[str, typer.Argument(help="Name of the new problem; the file is NAME.yaml.")],
+    source: Annotated[str, typer.Option("--from", metavar="NAME", help="Copy this shipped problem.")] = "template",
+    force: Force = False,
+) -> None:
+    """Write a commented problem file to start from.
+
+    Example: trajopt init my_problem --from cartpole
+    """
+    from ..problems.catalog import start_new
+
+    path = start_new(name, source, force)
+    print(f"{path}: edit it, then run: trajopt solve {path}")

@@ -1,0 +1,54 @@
+"""The problems that ship with trajopt, by name."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from .errors import FileError, Mistake
+from .files import check_writable, replacing
+from .syntax import nearest
+
+_FOLDER = Path(__file__).parent
+TEMPLATE = "template"
+
+
+def shipped() -> dict[str, Path]:
+    """Name -> file of every shipped problem, in alphabetical order."""
+    return {path.stem: path for path in sorted(_FOLDER.glob("*.yaml")) if path.stem != TEMPLATE}
+
+
+def find(name: str) -> Path:
+    """The file that a user means: a path that exists, or the name of a shipped problem ("cartpole", "cartpole.yaml").
+
+    Raises FileError if it is neither.
+    """
+    path = Path(name)
+    if path.exists():
+        return path
+    known = shipped()
+    if path.parent == Path() and path.name.removesuffix(".yaml") in known:
+        return known[path.name.removesuffix(".yaml")]
+    if path.parent != Path():
+        raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
+    close = nearest(path.name.removesuffix(".yaml"), known)
+    hint = f"did you mean {close}? " if close else ""
+    remedy = f"{hint}shipped problems are {', '.join(known)}"
+    raise FileError(Mistake(name, "there is no such file and no shipped problem of that name", remedy))
+
+
+def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
+    """Write NAME.yaml in the current folder, a copy of a shipped problem or of the commented template.
+
+    Raises FileError if it cannot be written, if it exists and `force` is not set, or if there is no such source.
+    """
+    target = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
+    origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find(source)
+    check_writable(target, force)
+    text = origin.read_text(encoding="utf-8")
+    title = target.stem if re.fullmatch(r"[A-Za-z][\w-]*", target.stem) else json.dumps(target.stem)
+    lines = [f"name: {title}" if line.startswith("name:") else line for line in text.splitlines()]
+    with replacing(target) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return target

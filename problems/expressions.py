@@ -1,0 +1,243 @@
+"""Expression strings as functions of named values: arithmetic, never code.
+
+An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.FUNCTIONS`, and at the
+boundary q[initial] and q[final]. Python's parser reads it, a whitelist of its syntax nodes turns it into the small
+tree below, and a walk over that tree evaluates it. A walk does the same operations in the same order at every call,
+so that every function is consistent in the sense of the paper, section 5.5.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from graphlib import CycleError, TopologicalSorter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .syntax import FUNCTIONS, MAX_EXPONENT, ExpressionError, tidy
+from .tree import Name, Node, Number, Operation, leaves, read
+
+
+class Fault(NamedTuple):
+    """The innermost sub-expression without a finite value.
+
+    text: the sub-expression. index: into the array of values, 0 for scalars. values: each of its names -> its value
+    there. why: one phrase, such as "divides by zero".
+    """
+
+    text: str
+    index: int
+    values: dict[str, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A function of named values (`problem.Function`), read by `parse` and completed by `bind`."""
+
+    text: str
+    root: Node = field(repr=False)
+    parameters: Mapping[str, float] = field(default_factory=dict, repr=False, compare=False)
+    definitions: Mapping[str, Expression] = field(default_factory=dict, repr=False, compare=False)
+    static: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+
+    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
+        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once."""
+        return _Walk(values, functions).value(self)
+
+    def bind(
+        self,
+        parameters: Mapping[str, float],
+        definitions: Mapping[str, Expression],
+        static: frozenset[str] = frozenset(),
+    ) -> Expression:
+        """This expression with numbers for its parameters and expressions for the names defined by others.
+
+        static: names of the static parameters; like `parameters` they are the same at both ends of time.
+        """
+        return replace(self, parameters=parameters, definitions=definitions, static=static)
+
+    def trouble(self, values: Mapping[str, Any]) -> tuple[str, int, dict[str, float]] | None:
+        """The innermost sub-expression without a finite value: its text, the index, its values there (see Fault).
+
+        values: numbers, or arrays over time of one shape (K,). None if the expression is finite everywhere.
+        """
+        found = self.fault(values)
+        return found and (found.text, found.index, found.values)
+
+    def fault(self, values: Mapping[str, Any]) -> Fault | None:
+        """As `trouble`, with the reason. Names that are not given are unknown and what depends on them is passed over:
+        `fault({})` finds mistakes that no variable can mend, such as a division by a constant zero.
+        """
+        walk = _Audit(values, np)
+        try:
+            with np.errstate(all="ignore"):
+                walk.value(self)
+        except _Found as found:
+            return found.fault
+        return None
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Names whose values a call needs, spelled "q1[final]" at the boundary."""
+        inner = [self._keys(d.root, end) for d, end in self.steps.values()]
+        return frozenset().union(self._keys(self.root, None), *inner) - self.steps.keys() - self.parameters.keys()
+
+    @cached_property
+    def steps(self) -> dict[str, tuple[Expression, str | None]]:
+        """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
+        found: dict[str, tuple[Expression, str | None]] = {}
+        graph: dict[str, set[str]] = {}
+        waiting = [(n.name, n.end) for n in leaves(self.root)]
+        while waiting:
+            name, end = waiting.pop()
+            key = self._key(name, end)
+            if name not in self.definitions or key in found:
+                continue
+            definition = self.definitions[name]
+            found[key] = definition, end
+            graph[key] = self._keys(definition.root, end)
+            waiting += [(n.name, end) for n in leaves(definition.root)]
+        return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
+
+    def _keys(self, root: Node, end: str | None) -> set[str]:
+        return {self._key(n.name, n.end or end) for n in leaves(root)}
+
+    def _key(self, name: str, end: str | None) -> str:
+        fixed = end is None or name in self.parameters or name in self.static
+        return name if fixed else f"{name}[{end}]"
+
+    def constant(self) -> float:
+        """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
+        with np.errstate(all="ignore"):
+            return float(_Walk({}, np, np.float64).value(self))
+
+
+def cycles(graph: Mapping[str, set[str]]) -> list[list[str]]:
+    """Cyclic references, each as [a, b, a]; every name stands in one of them at most."""
+    graph, found = dict(graph), []
+    while True:
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError as error:
+            found.append(error.args[1][::-1])
+            graph = {name: needs - set(found[-1]) for name, needs in graph.items() if name not in found[-1]}
+        else:
+            return found
+
+
+def power(base: Any, exponent: Any) -> Any:
+    """base ** exponent; a whole exponent stays whole, so that x**2 is x*x and not exp(2 log x)."""
+    if isinstance(exponent, float) and exponent.is_integer():
+        exponent = int(exponent)
+    return base**exponent
+
+
+_ARITHMETIC = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "**": power,
+}
+
+
+class _Walk:
+    """One evaluation: `scope` maps each name to its value and grows by the definitions as they are evaluated."""
+
+    def __init__(self, values: Mapping[str, Any], functions: Any, number: Any = float):
+        self.scope, self.functions, self.number = dict(values), functions, number
+
+    def value(self, expression: Expression) -> Any:
+        self.key = expression._key
+        self.scope.update({name: self.number(value) for name, value in expression.parameters.items()})
+        for key, (definition, end) in expression.steps.items():
+            self.scope[key] = self.start(definition, end)
+        return self.start(expression, None)
+
+    def start(self, expression: Expression, end: str | None) -> Any:
+        self.expression, self.end = expression, end
+        return self.visit(expression.root)
+
+    def visit(self, node: Node) -> Any:
+        match node:
+            case Number():
+                return self.number(node.value)
+            case Name():
+                return self.lookup(node)
+            case Operation(symbol=symbol, operands=operands):
+                return self.apply(symbol, node, [self.visit(operand) for operand in operands])
+        result = self.visit(node.first)
+        for step in node.steps:
+            result = self.apply(step.symbol, step, [result, self.visit(step.operand)])
+        return result
+
+    def lookup(self, node: Name) -> Any:
+        return self.scope[self.key(node.name, node.end or self.end)]
+
+    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+        if symbol in FUNCTIONS:
+            return getattr(self.functions, symbol)(*operands)
+        return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
+
+
+class _Found(Exception):  # noqa: N818 - it ends a walk and is no error
+    def __init__(self, fault: Fault):
+        self.fault = fault
+
+
+class _Audit(_Walk):
+    """An evaluation with NumPy that stops at the first value that is not finite; None stands for unknown."""
+
+    def __init__(self, values: Mapping[str, Any], functions: Any):
+        arrays = {name: np.asarray(value, float) for name, value in values.items()}
+        super().__init__(arrays, functions, np.float64)
+        self.constants_only = not values
+
+    def lookup(self, node: Name) -> Any:
+        value = self.scope.get(self.key(node.name, node.end or self.end))
+        if value is not None:
+            self.refuse(node, ~np.isfinite(value), "is not finite")
+        return value
+
+    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+        second = operands[-1]
+        if second is not None and symbol == "/":
+            self.refuse(node, second == 0, "divides by zero")
+        if second is not None and symbol == "**" and self.constants_only:
+            self.refuse(node, np.abs(second) > MAX_EXPONENT, f"has an exponent larger than {MAX_EXPONENT}")
+        if any(operand is None for operand in operands):
+            return None
+        result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
+        self.refuse(node, np.isnan(result), "is not a real number")
+        self.refuse(node, np.isinf(result), "is too large a number")
+        return result
+
+    def refuse(self, node: Node, bad: Any, why: str) -> None:
+        """End the walk if any element is bad: report the first one."""
+        if not np.any(bad):
+            return
+        index, values = int(np.argmax(bad)), {}
+        for name in leaves(self.expression.root):
+            key = self.key(name.name, name.end or self.end)
+            if node.start <= name.start and name.stop <= node.stop and self.scope.get(key) is not None:
+                array = np.ravel(self.scope[key])
+                values[key] = float(array[index if len(array) > 1 else 0])
+        raise _Found(Fault(self.expression.text[node.start : node.stop], index, values, why))
+
+
+@lru_cache(maxsize=4096)
+def parse(text: str) -> Expression:
+    """The expression that the text means.
+
+    Raises ExpressionError, which says what is wrong, where in the text, and how to mend it; also for a constant part
+    that has no finite value, such as 1/0 or 9**9**9.
+    """
+    text = tidy(text)
+    expression = Expression(text, read(text))
+    if fault := expression.fault({}):
+        raise ExpressionError(f'"{fault.text}" {fault.why}', "give it a finite value or leave it out")
+    return expression

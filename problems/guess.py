@@ -1,0 +1,63 @@
+"""Initial trajectories: a straight line from the initial to the final state, constants, keyframes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, isfinite
+
+import numpy as np
+
+from .problem import Guess, Range, State, Variable
+from .spec import Spec
+from .symbols import Symbols
+
+
+def initial_guess(
+    spec: Spec,
+    symbols: Symbols,
+    states: tuple[State, ...],
+    controls: tuple[Variable, ...],
+    times: tuple[Range, Range],
+) -> Guess:
+    """The guess that the file asks for; times: ranges of the initial and the final time."""
+    keyframes = {name: np.array([symbols.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
+    s = keyframe_positions(keyframes)
+    values = {state.name: np.interp(s, [0.0, 1.0], ends(state)) for state in states}
+    values |= {control.name: np.full(len(s), control.bounds.clip(0.0)) for control in controls}
+    values |= {name: np.full(len(s), symbols.number(v, 0.0)) for name, v in spec.guess.constants.items()}
+    values |= {name: row for name, row in keyframes.items() if name != "time"}
+    return Guess(
+        initial_time=middle(times[0], symbols.number(spec.time.initial.guess, inf)),
+        final_time=middle(times[1], symbols.number(spec.time.final.guess, inf)),
+        s=s,
+        values=values,
+        parameters={
+            name: middle(symbols.range(static), symbols.number(static.guess, inf))
+            for name, static in spec.optimize.items()
+        },
+    )
+
+
+def keyframe_positions(keyframes: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Normalised times s of the keyframes, shape (K,): 0 and 1 where there are none, evenly spaced without `time`."""
+    if "time" in keyframes:
+        time = keyframes["time"]
+        return (time - time[0]) / (time[-1] - time[0])
+    return np.linspace(0.0, 1.0, len(next(iter(keyframes.values()), (0, 1))))
+
+
+def ends(state: State) -> tuple[float, float]:
+    """Initial and final value of the straight line: an end that is free takes the value of the other."""
+    known = [middle(r, inf) if isfinite(r.lower) and isfinite(r.upper) else None for r in (state.initial, state.final)]
+    initial, final = known
+    initial, final = (final if initial is None else initial), (initial if final is None else final)
+    return (0.0 if initial is None else initial, 0.0 if final is None else final)
+
+
+def middle(bounds: Range, guess: float) -> float:
+    """The guess where one is given (finite); else the middle of the range, or 0 as near as an open range allows."""
+    if isfinite(guess):
+        return guess
+    if isfinite(bounds.lower) and isfinite(bounds.upper):
+        return bounds.lower + (bounds.upper - bounds.lower) / 2
+    return bounds.clip(0.0)

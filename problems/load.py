@@ -1,0 +1,61 @@
+"""A problem file -> Spec, or every mistake in it at once, each with its line, its path and a remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from . import messages, yamltext
+from .checks import check
+from .errors import FileError, Mistake, SpecError
+from .overrides import override
+from .places import Places
+from .spec import Spec
+
+
+def load(source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
+    """The spec of a problem file.
+
+    overrides: "PATH=VALUE" each, such as "parameters.u_max=15" or "mesh.*.segments=50", applied in turn and checked
+    as if they stood in the file. methods: the names that a mesh entry may give; none means any. What is odd but not
+    wrong is in `spec.warnings`.
+
+    Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
+    """
+    return load_text(_read(Path(source)), str(source), overrides, methods)
+
+
+def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
+    """As `load`, from a text; `file` is the name used in messages."""
+    document = yamltext.read(text, file)
+    data, given = override(document, overrides)
+    places = Places(file, document.lines, given)
+    data.setdefault("name", Path(file).stem)
+    try:
+        spec = Spec.model_validate(data, context={"methods": tuple(methods)})
+    except ValidationError as error:
+        raise SpecError(places.mistakes(messages.findings(error, places))) from None
+    errors, warnings = check(spec)
+    if errors:
+        raise SpecError(places.mistakes(errors))
+    return spec.attach(text, places, warnings)
+
+
+def _read(path: Path) -> str:
+    """The text of the file. Raises FileError with the reason, SpecError if it is not text."""
+    if not path.exists():
+        where = "it is not in this folder" if path.parent == Path() else f"look into {path.parent}"
+        raise FileError(Mistake(str(path), "there is no such file", f"check the name: {where}"))
+    if path.is_dir():
+        raise FileError(Mistake(str(path), "this is a folder", "give a problem file in it"))
+    if not path.is_file():
+        raise FileError(Mistake(str(path), "this is not an ordinary file", "give a YAML problem file"))
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(yamltext.MAX_BYTES + 1)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise FileError(Mistake(str(path), f"the file cannot be read ({reason})", "check its permissions")) from error
+    return yamltext.decode(content, str(path))

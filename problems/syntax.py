@@ -1,0 +1,298 @@
+"""What an expression may look like, read token by token before Python's parser sees it.
+
+Nothing is evaluated here. Every slip that people make often (`^`, `2x`, `ln`, `np.sin`, a comparison, a missing
+parenthesis) gets a message of its own, which Python's "invalid syntax" could not give.
+"""
+
+from __future__ import annotations
+
+import difflib
+import keyword
+import re
+from typing import NamedTuple
+
+FUNCTIONS = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
+ENDS = ("initial", "final")
+INCONSISTENT = ("abs", "min", "max")
+# `time` heads the keyframes of a guess, so no state may be called that.
+RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *INCONSISTENT, *keyword.kwlist})
+
+MAX_LENGTH = 4000  # characters
+MAX_DEPTH = 50  # parentheses inside parentheses
+MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
+MAX_NUMBER = 1e100
+MAX_EXPONENT = 1000
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
+    r"|(?P<operator>\*\*|//|[-+*/()\[\],.])|(?P<other>\S))",
+    re.ASCII,
+)
+
+_ALIASES = {
+    "ln": "log({})",
+    "log10": "log({})/log(10)",
+    "log2": "log({})/log(2)",
+    "exp2": "2**({})",
+    "arcsin": "asin({})",
+    "arccos": "acos({})",
+    "arctan": "atan({})",
+    "tg": "tan({})",
+    "cot": "1/tan({})",
+    "sec": "1/cos({})",
+    "csc": "1/sin({})",
+    "sqr": "({})**2",
+    "square": "({})**2",
+    "pow": "a**b",
+    "atan2": "atan(y/x), where x is never zero",
+    "arctan2": "atan(y/x), where x is never zero",
+}
+
+_SMOOTH = {
+    "abs": "sqrt(x**2 + 1e-6)",
+    "min": "(a + b - sqrt((a - b)**2 + 1e-6))/2",
+    "max": "(a + b + sqrt((a - b)**2 + 1e-6))/2",
+}
+
+_COMPARISON = ("an expression is one value, not a comparison", "give the bounds as lower:, upper: or equals: beside it")
+_STRAY = ("this character has no meaning in an expression", "use names, numbers, + - * / ** and parentheses")
+_OTHER = {
+    "^": ("^ is not the power operator", "write ** for a power, as in x**2"),
+    "=": _COMPARISON,
+    "<": _COMPARISON,
+    ">": _COMPARISON,
+    "!": ("! has no meaning in an expression", "write a factorial as a number, a comparison as lower: or upper:"),
+    "{": ("braces are not used in expressions", "write ( ) instead"),
+    "}": ("braces are not used in expressions", "write ( ) instead"),
+    "%": ("% has no meaning in an expression", "write a percentage as a number, for example 0.05"),
+    "#": ("# would start a comment inside the expression", "move the comment out of the expression"),
+    "π": ("π is not a name", "write pi"),
+    "²": ("superscripts are not read", "write **2"),
+    "³": ("superscripts are not read", "write **3"),
+    "×": ("× is not an operator", "write *"),
+    "·": ("· is not an operator", "write *"),
+    "−": ("this minus sign is a typographic one", "write a plain -"),
+    "–": ("this minus sign is a typographic one", "write a plain -"),
+    "√": ("√ is not a function", "write sqrt( )"),
+    "°": ("degrees are not understood", "write radians: multiply by pi/180"),
+}
+
+
+class ExpressionError(ValueError):
+    """A string is not an expression. what: the mistake and where it stands in the string. remedy: how to mend it."""
+
+    def __init__(self, what: str, remedy: str):
+        self.what, self.remedy = what, remedy
+        super().__init__(f"{what}; {remedy}")
+
+
+class Token(NamedTuple):
+    """kind: number, name, operator, other or end (of the text, which is an empty token)."""
+
+    kind: str
+    text: str
+    start: int
+    stop: int
+
+
+def tidy(text: str) -> str:
+    """The text on one line with single spaces (folded YAML scalars carry line breaks)."""
+    return " ".join(text.split())
+
+
+def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
+    """The offending piece in quotes, inside enough of the expression to find it."""
+    piece = f'"{shorten(text[start:stop].strip())}"'
+    if text[start:stop].strip() == text:
+        return piece
+    left, right = max(0, start - margin), min(len(text), stop + margin)
+    around = ("..." if left else "") + text[left:right].strip() + ("..." if right < len(text) else "")
+    return f'{piece} in "{shorten(around, 120)}"'
+
+
+def shorten(text: str, limit: int = 80) -> str:
+    """The text with its middle left out where it is longer than `limit` characters."""
+    return text if len(text) <= limit else f"{text[: limit // 2 - 2]} ... {text[-limit // 2 + 3 :]}"
+
+
+def nearest(word: str, known) -> str | None:
+    """The known word most like this one, or None if none is like it."""
+    known = {str(k).lower(): str(k) for k in known}
+    found = difflib.get_close_matches(str(word).lower(), known, n=1, cutoff=0.6)
+    return known[found[0]] if found else None
+
+
+def check(text: str) -> None:
+    """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression."""
+    if not text:
+        raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(
+            f"the expression has {len(text)} characters, more than the {MAX_LENGTH} allowed",
+            "name its parts under expressions:",
+        )
+    tokens = _tokens(text)
+    for token in tokens:
+        _check_token(text, token)
+    _check_brackets(text, tokens)
+    for before, token, after in zip(tokens, tokens[1:], [*tokens[2:], tokens[-1]], strict=False):
+        _check_neighbours(text, before, token, after)
+    _check_signs(text, tokens)
+
+
+def _tokens(text: str) -> list[Token]:
+    """All tokens, with an empty one at either end so that every token has neighbours."""
+    found = [Token(m.lastgroup, m[m.lastgroup], *m.span(m.lastgroup)) for m in _TOKEN.finditer(text)]
+    return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
+
+
+def _fail(text: str, first: Token, last: Token, what: str, remedy: str):
+    raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
+
+
+def _check_token(text: str, token: Token) -> None:
+    if token.kind == "other":
+        _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
+    if token.text == "//":
+        _fail(text, token, token, "// is not an operator", "write / for a division")
+    if token.kind == "name" and keyword.iskeyword(token.text):
+        _fail(
+            text,
+            token,
+            token,
+            f"{token.text} is a word of Python, not of expressions, which have no branches",
+            "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS),
+        )
+    if token.kind == "number" and float(token.text) > MAX_NUMBER:
+        _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
+
+
+def _check_brackets(text: str, tokens: list[Token]) -> None:
+    opened: list[Token] = []
+    for token in tokens:
+        if token.text in ("(", "["):
+            opened.append(token)
+        elif token.text in (")", "]"):
+            if not opened:
+                _fail(text, token, token, f"{token.text} closes nothing", f"remove it or open it before: {text}")
+            opener = opened.pop()
+            if opener.text + token.text not in ("()", "[]"):
+                _fail(text, opener, token, f"{opener.text} is closed by {token.text}", "use the matching bracket")
+        if len(opened) > MAX_DEPTH:
+            raise ExpressionError(
+                f"parentheses are nested deeper than {MAX_DEPTH}", "name the inner parts under expressions:"
+            )
+    if opened:
+        close = {"(": ")", "[": "]"}[opened[-1].text]
+        _fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
+
+
+def _check_signs(text: str, tokens: list[Token]) -> None:
+    run: list[Token] = []
+    for token in tokens:
+        run = [*run, token] if token.text in ("+", "-") else []
+        if len(run) > MAX_SIGNS:
+            _fail(text, run[0], token, "too many signs in a row", "write one sign")
+
+
+def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> None:
+    """The rules that need a token and the ones beside it: `before` has been checked, `token` is next."""
+    if token.text == ".":
+        _check_dot(text, before, token, after)
+    elif token.text == ",":
+        remedy = "write 0.5, not 0,5, and give a function one argument"
+        _fail(text, before, after, "a comma has no meaning here", remedy)
+    elif token.text == "[":
+        _check_subscript(text, before, token, after)
+    elif _ends_operand(before) and _starts_operand(token):
+        _check_adjacent(text, before, token, after)
+    elif before.text in FUNCTIONS:
+        _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...) with one argument")
+    elif not _ends_operand(before) and not _starts_operand(token) and token.text not in ("+", "-"):
+        _check_missing(text, before, token)
+
+
+def _ends_operand(token: Token) -> bool:
+    return token.kind in ("number", "name") or token.text in (")", "]")
+
+
+def _starts_operand(token: Token) -> bool:
+    return token.kind in ("number", "name") or token.text == "("
+
+
+def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
+    if before.kind == "name" and after.kind == "name":
+        remedy = f"write {after.text}" if after.text in FUNCTIONS else "write a plain name"
+        _fail(text, before, after, "expressions know no modules and no attributes", remedy)
+    _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
+
+
+def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> None:
+    close = text.find("]", bracket.start)
+    inside = text[bracket.stop : close].strip()
+    if before.kind != "name":
+        _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
+    if inside not in ENDS:
+        last = Token("operator", "]", close, close + 1)
+        what = "[ ] only marks the value at an end of time"
+        _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
+
+
+def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
+    """Two operands side by side: a call, or a missing operator."""
+    if token.text == "(" and before.kind == "name":
+        if before.text not in FUNCTIONS:
+            _check_call(text, before, token)
+        return
+    if before.text in FUNCTIONS:
+        argument = token.text if token.kind != "number" or after.kind != "name" else token.text + after.text
+        _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
+    tail = "(...)" if token.text == "(" else token.text
+    if token.kind == "name" and after.text == "(":
+        tail = f"{token.text}(...)"
+    head = before.text if before.text not in (")", "]") else "..." + before.text
+    _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
+
+
+def _check_call(text: str, name: Token, bracket: Token) -> None:
+    """A call of something that is not one of the functions."""
+    argument = _argument(text, bracket)
+    last = Token("operator", ")", bracket.stop + len(argument), bracket.stop + len(argument) + 1)
+    argument = shorten(argument.strip(), 40)
+    if name.text in INCONSISTENT:
+        _fail(
+            text,
+            name,
+            last,
+            f"{name.text} is not a consistent function: its gradient jumps, and the solver then fails to converge "
+            "(Kelly 2017, section 5.5)",
+            f"write a smooth stand-in such as {_SMOOTH[name.text]}, or add controls and path constraints that bound it",
+        )
+    if name.text in _ALIASES:
+        remedy = f"write {_ALIASES[name.text].format(argument)}"
+        _fail(text, name, last, f"there is no function {name.text}", remedy)
+    if close := nearest(name.text, FUNCTIONS):
+        _fail(text, name, last, f"there is no function {name.text}", f"did you mean {close}?")
+    what = f"{name.text} is not a function"
+    _fail(text, name, last, what, f"write {name.text}*(...) for a product; the functions are {' '.join(FUNCTIONS)}")
+
+
+def _argument(text: str, bracket: Token) -> str:
+    """The text between an opening parenthesis and its partner, which _check_brackets has found."""
+    depth = 0
+    for i in range(bracket.start, len(text)):
+        depth += (text[i] == "(") - (text[i] == ")")
+        if depth == 0:
+            return text[bracket.stop : i]
+    return text[bracket.stop :]
+
+
+def _check_missing(text: str, before: Token, token: Token) -> None:
+    """An operator without its operand."""
+    if before.kind == "end":
+        _fail(text, token, token, f"the expression starts with {token.text}", "write what stands before it")
+    if token.kind == "end":
+        _fail(text, before, before, f"the expression ends with {before.text}", "write what stands after it")
+    if before.text + token.text == "()":
+        _fail(text, before, token, "there is nothing between the parentheses", "write a value between them")
+    _fail(text, before, token, f"a value is missing between {before.text} and {token.text}", "write it or remove one")

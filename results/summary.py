@@ -1,0 +1,124 @@
+"""One machine-readable object for a result file: what `solve` and `show` print and `--json` gives."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..problems.errors import FileError, Mistake
+from .store import FORMAT, FORMAT_VERSION
+
+
+def summarize(path: Path) -> dict[str, Any]:
+    """Read a result file; plain numbers, strings, lists and dictionaries only, NaN and infinity as None.
+
+    Raises FileError if the file cannot be read or is no result of trajopt.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            _check_format(path, file)
+            return _plain(_summary(path, file))
+    except OSError as error:
+        reason = "there is no such file" if not path.exists() else "it cannot be read as HDF5"
+        raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
+
+
+def _check_format(path: Path, file: h5py.File) -> None:
+    if file.attrs.get("format") != FORMAT:
+        raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
+    if file.attrs["format_version"] > FORMAT_VERSION:
+        what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
+        raise FileError(Mistake(str(path), what, "update trajopt"))
+
+
+def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
+    head = {key: file.attrs[key] for key in (
+        "problem", "status", "solved", "message", "remedy", "trouble", "objective", "sense",
+        "created", "command", "trajopt_version", "pyomo_version", "ipopt_version",
+    )}  # fmt: skip
+    solver = file["solver"].attrs
+    seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
+    meshes = [_attributes(file["mesh"][str(k)]) for k in range(len(file["mesh"]))]
+    return {
+        "file": str(path),
+        **head,
+        "reference": _reference(file),
+        "violations": list(solver["violations"]),
+        "iterations": sum(mesh["iterations"] for mesh in meshes),
+        "error": _error(file),
+        "phases": {name: _phase(group) for name, group in file["phase"].items()},
+        "meshes": meshes,
+        "seconds": {**seconds, "total": sum(seconds.values())},
+    }
+
+
+def _attributes(mesh: h5py.Group) -> dict[str, Any]:
+    plain = {key: value for key, value in mesh.attrs.items() if not key.startswith("seconds_")}
+    seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
+    return {**plain, "seconds": seconds}
+
+
+def _reference(file: h5py.File) -> dict[str, Any] | None:
+    """The file's reference value beside ours; None where the problem file gives none."""
+    reference = json.loads(file["spec/full"].asstr()[()]).get("reference")
+    if not reference:
+        return None
+    difference = float(file.attrs["objective"]) - reference["objective"]
+    return {**reference, "difference": difference, "agrees": abs(difference) <= reference["tolerance"]}
+
+
+def _error(file: h5py.File) -> dict[str, Any]:
+    """The largest eta and where it is: phase, state, segment and the segment's times."""
+    worst = {"max_eta": -np.inf}
+    for name, phase in file["phase"].items():
+        eta = phase["error/eta"][:]
+        segment, state = np.unravel_index(np.nanargmax(np.nan_to_num(eta, nan=np.inf)), eta.shape)
+        if not eta[segment, state] <= worst["max_eta"]:
+            worst = {
+                "max_eta": eta[segment, state],
+                "phase": name,
+                "state": phase["error/state"].asstr()[state],
+                "segment": segment,
+                "start": phase["knots"][segment],
+                "end": phase["knots"][segment + 1],
+            }
+    return worst
+
+
+def _phase(group: h5py.Group) -> dict[str, Any]:
+    time = group["time"]
+    eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
+    return {
+        "time": {"initial": time[0], "final": time[-1], "unit": time.attrs.get("units", "")},
+        "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in group["state"].items()},
+        "controls": {name: _curve(values) for name, values in group.get("control", {}).items()},
+        "parameters": {name: value[()] for name, value in group.get("parameter", {}).items()},
+    }
+
+
+def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
+    values = dataset[:]
+    return {
+        "initial": values[0],
+        "final": values[-1],
+        "min": np.nanmin(values),
+        "max": np.nanmax(values),
+        "unit": dataset.attrs.get("units", ""),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """NumPy scalars -> Python's, not-finite numbers -> None: what JSON can hold."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

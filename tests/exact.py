@@ -1,0 +1,39 @@
+"""Problems whose solution is known in closed form, built without a problem file."""
+
+import numpy as np
+
+from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
+
+
+def fixed(value: float) -> Range:
+    return Range(value, value)
+
+
+def growth(sense: int = 1) -> Problem:
+    """Minimise the integral of (ln x)^2 + u^2 over [0, 1] with dx/dt = u x, x(0) = e, x(1) free.
+
+    With y = ln x it is the linear-quadratic problem dy/dt = u, y(0) = 1: y = cosh(1 - t) / cosh(1), J = tanh(1), and
+    the costate of x is 2 sinh(1 - t) / cosh(1) / x. Nonlinear, smooth, no polynomial.
+    """
+    guess = Guess(0.0, 1.0, np.array([0.0, 1.0]), {"x": np.full(2, np.e), "u": np.zeros(2)})
+    state = State("x", rate=lambda v, m: v["u"] * v["x"], initial=fixed(np.e))
+    phase = Phase(
+        "main", fixed(0), fixed(1), (state,), (Variable("u"),), guess,
+        lagrange=lambda v, m: sense * (m.log(v["x"]) ** 2 + v["u"] ** 2),
+    )  # fmt: skip
+    return Problem("growth", sense, (phase,))
+
+
+def growth_state(t):
+    return np.exp(np.cosh(1 - t) / np.cosh(1))
+
+
+def growth_control(t):
+    return -np.sinh(1 - t) / np.cosh(1)
+
+
+def growth_costate(t):
+    return 2 * np.sinh(1 - t) / np.cosh(1) / growth_state(t)
+
+
+GROWTH_OBJECTIVE = np.tanh(1)

@@ -1,0 +1,313 @@
+"""A templated Pyomo model -> the callbacks of a nonlinear program, in machine code.
+
+    minimise f(z)   subject to   cl <= g(z) <= cu
+
+Constraints that share an index set are one Family: y[s] = F(z[columns[s]], data[s]) for every s in the set. SymEngine
+differentiates F once, its LLVM backend compiles F, its Jacobian and its weighted Hessian, and each is evaluated for
+all s in one call. A sum over a Set, in the objective or in a scalar constraint, is a Family whose values are added
+into one row. Rows of a Family are contiguous and run over its components first, then over s:
+
+    row = first row + s * (number of components) + component,
+
+which keeps the KKT matrix banded when the variables are ordered point by point.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import wraps
+from math import inf, prod
+from typing import NamedTuple
+
+import numpy as np
+import symengine as se
+from pyomo.core import Constraint, Objective, minimize
+from pyomo.core.expr import relational_expr as relation
+from pyomo.core.expr.numvalue import native_numeric_types
+from pyomo.core.expr.template_expr import TemplateSumExpression
+
+from .family import Entries, Family
+from .machine_code import available_backend, compile_family, timing
+from .symbolic import Arguments, Slots
+from .templates import TemplateError, linear_parts, template_of
+
+
+def _callback(method: Callable) -> Callable:
+    name = method.__name__
+
+    @wraps(method)
+    def call(self, *args):
+        start = time.perf_counter()
+        self.calls[name] += 1
+        try:
+            return method(self, *args)
+        finally:
+            self.seconds["evaluate"] += time.perf_counter() - start
+    return call
+
+
+class CompiledNLP:
+    """The nonlinear program of a templated model, z being `variables` in the given order.
+
+    n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
+    seconds: differentiate (Pyomo to SymEngine included), compile, evaluate. calls: evaluations by callback.
+    A variable that is not in `variables` must be fixed; its value, like that of every parameter, is read here, once.
+
+    Raises TemplateError for a model the compiler cannot take. Callbacks raise NotFinite.
+    """
+
+    def __init__(self, model, variables: Sequence, backend: str | None = None):
+        self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
+        self.calls = dict.fromkeys(("objective", "gradient", "constraints", "jacobian", "hessian"), 0)
+        self.n, self.m = len(variables), 0
+        self._backend = backend or available_backend()
+        self._slots = Slots(variables)
+        self._row_families: list[Family] = []
+        self._sum_families: list[Family] = []
+        self._rows: dict[int, np.ndarray] = {}
+        sums = self._add_constraints(model)
+        self._sum_families += self._add_sums(sums)
+        self._cost_families = self._add_objective(model)
+        self._numbers = np.concatenate([np.full(self.n, np.nan), self._slots.data])
+        self._prepare()
+
+    def _add_constraints(self, model) -> list:
+        groups: dict[int | None, list] = {}
+        for c in model.component_objects(Constraint, active=True):
+            self._rows[id(c)] = np.zeros(0, dtype=np.intp)
+            if len(c):
+                groups.setdefault(id(c.index_set()) if c.is_indexed() else None, []).append(c)
+        sums: list = []
+        bounds = [self._add_rows(group, sums) for group in groups.values()]
+        self.cl, self.cu = np.concatenate([np.zeros((2, 0)), *bounds], axis=1)
+        return sums
+
+    def _add_rows(self, components: list, sums: list) -> np.ndarray:
+        """Append one family; returns its bounds (2, rows) and adds the sums over Sets it contains to `sums`."""
+        over = components[0].index_set() if components[0].is_indexed() else None
+        with timing(self.seconds, "differentiate"):
+            arguments = self._arguments(over)
+            size, width = len(arguments.values), len(components)
+            rows = self.m + np.arange(size * width, dtype=np.intp).reshape(size, width)
+            self.m += size * width
+            outputs, bounds = [], np.empty((2, size, width))
+            for o, c in enumerate(components):
+                self._rows[id(c)] = rows[:, o]
+                sides, lower, upper, template = _relation(c)
+                bounds[:, :, o] = arguments.numbers(lower, template), arguments.numbers(upper, template)
+                if over is None:
+                    outputs.append(_without_sums(sides, arguments, c, rows[0, o], sums))
+                else:
+                    outputs.append(sum(sign * arguments.translate(e, template) for sign, e in sides))
+        self._row_families.append(self._family(components, over, arguments, outputs, rows))
+        return bounds.reshape(2, -1)
+
+    def _add_sums(self, sums: list) -> list[Family]:
+        """A family for each Set that is summed over, with one output for each row it adds to."""
+        groups: dict[int, list] = {}
+        for term in sums:
+            groups.setdefault(id(_placeholder(term)._set), []).append(term)
+        families = []
+        for terms in groups.values():
+            with timing(self.seconds, "differentiate"):
+                over = _placeholder(terms[0])._set
+                arguments, outputs = self._arguments(over), {}
+                for term in terms:
+                    y = _product(arguments, term.factors, term.expression, _placeholder(term))
+                    outputs[term.row] = outputs.get(term.row, 0) + y
+                components = {term.row: term.component for term in terms}
+                rows = np.array(list(components), dtype=np.intp)
+            families.append(self._family(list(components.values()), over, arguments, list(outputs.values()), rows))
+        return families
+
+    def _add_objective(self, model) -> list[Family]:
+        objectives = list(model.component_objects(Objective, active=True))
+        if len(objectives) != 1 or objectives[0].is_indexed() or objectives[0].sense != minimize:
+            raise TemplateError(f"one scalar objective to minimise is wanted, found {[c.name for c in objectives]}")
+        cost, sums = objectives[0], []
+        with timing(self.seconds, "differentiate"):
+            arguments = self._arguments(None)
+            plain = _without_sums([(1, template_of(cost)[0])], arguments, cost, self.m, sums)
+        families = self._add_sums(sums)
+        if plain != 0:
+            families.append(self._family([cost], None, arguments, [plain], np.array([self.m])))
+        return families
+
+    def _arguments(self, over) -> Arguments:
+        return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
+
+    def _family(self, components, over, arguments, outputs, rows) -> Family:
+        code = compile_family([se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data),
+                              self._backend, self.seconds)
+        return Family(components, over, arguments, rows, code)
+
+    def _prepare(self) -> None:
+        self._families = self._row_families + self._sum_families + self._cost_families
+        for f in self._families:
+            f.set_data(self._numbers)
+        n = self.n
+        self._jacobian = [(f, f.jacobian_entries(n)) for f in self._row_families + self._sum_families
+                          if f.code.jacobian]
+        self._hessian = [(f, f.hessian_entries(n)) for f in self._families if f.code.hessian]
+        self._gradient_columns = [np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel()
+                                  for f in self._cost_families]
+
+    def rows(self, component) -> np.ndarray:
+        """The row numbers of a Constraint, in the order of its index set."""
+        return self._rows[id(component)]
+
+    def row_name(self, row: int) -> tuple[str, int | None]:
+        """(component name, index or None) of a row."""
+        family = next(f for f in self._row_families if f.rows[0, 0] <= row <= f.rows[-1, -1])
+        s, o = divmod(row - family.rows[0, 0], len(family.components))
+        return family.components[o].name, None if family.index is None else int(family.index[s])
+
+    def _move(self, z: np.ndarray) -> None:
+        """Read z into the arguments of every family, unless it is there already."""
+        if np.array_equal(z, self._numbers[:self.n]):
+            return
+        self._numbers[:self.n] = z
+        for f in self._families:
+            f.variables[:] = self._numbers.take(f.columns)
+
+    def _check(self, kind: str, values, families: list[Family]) -> None:
+        if not np.isfinite(values).all():
+            derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
+            raise NotFinite(kind, [name for f in families for name in f.culprits(derivative)])
+
+    @_callback
+    def objective(self, z: np.ndarray) -> float:
+        """f(z)."""
+        self._move(z)
+        f = sum(float(f.code.value(f.arguments).sum()) for f in self._cost_families)
+        self._check("objective", f, self._cost_families)
+        return f
+
+    @_callback
+    def gradient(self, z: np.ndarray) -> np.ndarray:
+        """df/dz, shape (n,)."""
+        self._move(z)
+        g = np.zeros(self.n + 1)
+        for f, columns in zip(self._cost_families, self._gradient_columns, strict=True):
+            if f.code.jacobian:
+                g += np.bincount(columns, f.code.jacobian(f.arguments).ravel(), minlength=self.n + 1)
+        self._check("gradient", g, self._cost_families)
+        return g[:self.n]
+
+    @_callback
+    def constraints(self, z: np.ndarray) -> np.ndarray:
+        """g(z), shape (m,)."""
+        g = self.constraints_unchecked(z)
+        self._check("constraints", g, self._row_families + self._sum_families)
+        return g
+
+    def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
+        """g(z), shape (m,), with NaN and infinity where it is not finite."""
+        self._move(z)
+        g = np.empty(self.m)
+        for f in self._row_families:
+            f.code.value(f.arguments, out=g[f.rows[0, 0]:f.rows[-1, -1] + 1])
+        for f in self._sum_families:
+            g[f.rows] += f.code.value(f.arguments).sum(axis=0)
+        return g
+
+    def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and columns of the nonzeros of dg/dz; those that stand twice (in rows with several sums) are added."""
+        return _structure(self._jacobian)
+
+    @_callback
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """The nonzeros of dg/dz, in the order of jacobianstructure()."""
+        self._move(z)
+        return self._derivatives("jacobian", self._jacobian)
+
+    def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and columns (row >= column) of the nonzeros of the Hessian; those that stand twice are added."""
+        return _structure(self._hessian)
+
+    @_callback
+    def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        self._move(z)
+        weights = np.append(y, sigma)
+        for f, _ in self._hessian:
+            f.weights[:] = weights[f.rows]
+        return self._derivatives("hessian", self._hessian)
+
+    def lagrangian_terms(self, z: np.ndarray, y: np.ndarray) -> Iterator[tuple]:
+        """The gradient of f + y g term by term: (Set, its indices (S,), columns (S, K), terms (S, K)) of each family.
+
+        Term k of index s is a derivative by z[columns[s, k]], or by a fixed variable where columns[s, k] >= n. The
+        Set and the indices are None for what has no index (S = 1).
+        """
+        self._move(z)
+        weights = np.append(y, 1.0)
+        for f in self._families:
+            if f.code.jacobian:
+                o, j = f.code.jacobian_at.T
+                raw = f.code.jacobian(f.arguments).reshape(len(f.arguments), -1)
+                yield f.over, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
+
+    def _derivatives(self, kind: str, pieces: list[tuple[Family, Entries]]) -> np.ndarray:
+        out, start = np.empty(sum(len(e.rows) for _, e in pieces)), 0
+        for f, entries in pieces:
+            stop = start + len(entries.rows)
+            entries.evaluate(f.functions[kind], f.arguments, out[start:stop])
+            start = stop
+        self._check(kind, out, [f for f, _ in pieces])
+        return out
+
+
+def _structure(pieces: list[tuple[Family, Entries]]) -> tuple[np.ndarray, np.ndarray]:
+    none = np.zeros(0, dtype=np.intp)
+    return tuple(np.concatenate([none, *(getattr(e, side) for _, e in pieces)]) for side in ("rows", "cols"))
+
+
+def _relation(c) -> tuple[list, object, object, object]:
+    """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
+    e, template = template_of(c)
+    if getattr(e, "strict", False) not in (False, (False, False)):
+        raise TemplateError(f"{c.name} is a strict inequality, which no solver can tell from the other")
+    if isinstance(e, relation.RangedExpression):
+        lower, body, upper = e.args
+        return [(1, body)], lower, upper, template
+    if not isinstance(e, relation.EqualityExpression | relation.InequalityExpression):
+        raise TemplateError(f"the rule of {c.name} gives no relation but {e}")
+    left, right = e.args
+    equal = isinstance(e, relation.EqualityExpression)
+    if right.__class__ in native_numeric_types:
+        return [(1, left)], right if equal else -inf, right, template
+    if left.__class__ in native_numeric_types:
+        return [(1, right)], left, left if equal else inf, template
+    return [(1, left), (-1, right)], 0.0 if equal else -inf, 0.0, template
+
+
+class _SumTerm(NamedTuple):
+    """product(factors) * sum of expression over the Set of `total`, in one row."""
+
+    component: Constraint | Objective
+    row: int
+    total: TemplateSumExpression
+    factors: list
+    expression: object
+
+
+def _placeholder(term: _SumTerm):
+    return term.total.template_iters()[0][0]
+
+
+def _product(arguments: Arguments, factors: list, e, template) -> se.Basic:
+    return prod((arguments.translate(f, template) for f in factors), start=arguments.translate(e, template))
+
+
+def _without_sums(sides: list, arguments: Arguments, c, row: int, sums: list) -> se.Basic:
+    """The terms of a scalar row that stand in no sum over a Set; the others are put down in `sums`."""
+    plain = se.Integer(0)
+    for sign, side in sides:
+        for total, factors, e in linear_parts(side):
+            if total is None:
+                plain += _product(arguments, [sign, *factors], e, None)
+            else:
+                sums.append(_SumTerm(c, int(row), total, [sign, *factors], e))
+    return plain

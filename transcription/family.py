@@ -1,0 +1,109 @@
+"""One constraint family, evaluated for all of its indices at once, and where its derivatives go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .machine_code import Code
+from .symbolic import Arguments
+
+
+class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a mistake)
+    """A function or derivative is NaN or infinite at this z.
+
+    kind: the callback. names: the culprits, a list of (component name, index or None).
+    """
+
+    def __init__(self, kind: str, names: list[tuple[str, int | None]]):
+        self.kind, self.names = kind, names
+        shown = ", ".join(name if index is None else f"{name}[{index}]" for name, index in names[:3])
+        super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))
+
+
+class Entries:
+    """Where the derivatives of one family go: `rows` and `cols` of its nonzeros, as triplets without duplicates.
+
+    Raw derivatives by a fixed variable (`free` is false) are dropped, and those at one place are added.
+    """
+
+    def __init__(self, rows: np.ndarray, cols: np.ndarray, free: np.ndarray, n: int, factor: np.ndarray | None = None):
+        self.rows, self.cols, self._factor, self._places = rows.ravel(), cols.ravel(), factor, None
+        key = np.where(free, rows * n + cols, -1).ravel()
+        distinct, places = np.unique(key, return_inverse=True)
+        if len(distinct) < len(key) or (key < 0).any():
+            self._places, self._dropped = places, int(distinct[0] < 0)
+            self.rows, self.cols = np.divmod(distinct[self._dropped:], n)
+
+    def evaluate(self, function: Callable, arguments: np.ndarray, out: np.ndarray) -> None:
+        """Write the derivatives into `out`, shape (len(rows),)."""
+        if self._places is None and self._factor is None:
+            function(arguments, out=out)
+            return
+        raw = function(arguments)
+        if self._factor is not None:
+            raw *= self._factor
+        out[:] = raw.ravel() if self._places is None else np.bincount(self._places, raw.ravel())[self._dropped:]
+
+
+class Family:
+    """Outputs y[s, o] for every index value s of the Set `over` (None: one value without an index).
+
+    components: the O components that the outputs belong to. rows: (S, O) row of each value; or (O,) if the values of
+    one output are added up into one row.
+    """
+
+    def __init__(self, components: list, over, arguments: Arguments, rows: np.ndarray, code: Code):
+        self.components, self.over, self.rows, self.code = components, over, rows, code
+        self.index = None if over is None else arguments.values
+        size = len(arguments.values)
+        self.columns = np.array(arguments.variable_slots, dtype=np.intp).reshape(-1, size).T.copy()
+        self.data_slots = np.array(arguments.data_slots, dtype=np.intp).reshape(-1, size).T
+        self.arguments = np.zeros((size, self.columns.shape[1] + self.data_slots.shape[1] + len(components)))
+        self.variables = self.arguments[:, :self.columns.shape[1]]
+        self.weights = self.arguments[:, -len(components):]
+        self.functions = {"constraints": code.value, "jacobian": code.jacobian, "hessian": code.hessian}
+
+    def set_data(self, numbers: np.ndarray) -> None:
+        k = self.columns.shape[1]
+        self.arguments[:, k:k + self.data_slots.shape[1]] = numbers[self.data_slots]
+
+    def jacobian_entries(self, n: int) -> Entries:
+        o, j = self.code.jacobian_at.T
+        cols = self.columns[:, j]
+        return Entries(np.broadcast_to(self.rows[..., o], cols.shape), cols, cols < n, n)
+
+    def hessian_entries(self, n: int) -> Entries:
+        i, j = self.code.hessian_at.T
+        a, b = self.columns[:, i], self.columns[:, j]
+        # Two arguments that read one variable: the cross derivative counts for (i, j) and for (j, i).
+        twice = (a == b) & (i != j)
+        rows, cols = np.maximum(a, b), np.minimum(a, b)
+        return Entries(rows, cols, rows < n, n, np.where(twice, 2.0, 1.0) if twice.any() else None)
+
+    def culprits(self, kind: str) -> list[tuple[str, int | None]]:
+        """(component name, index) of what is not finite at the present arguments."""
+        pairs = self._not_finite(kind)
+        return [(self.components[o].name, None if self.index is None else int(self.index[s])) for s, o in pairs]
+
+    def _not_finite(self, kind: str) -> list[tuple[int, int]]:
+        function = self.functions[kind]
+        if function is None:
+            return []
+        s, entry = np.nonzero(~np.isfinite(function(self.arguments).reshape(len(self.arguments), -1)))
+        if kind == "constraints":
+            return list(zip(s, entry, strict=True))
+        if kind == "jacobian":
+            return sorted(set(zip(s, self.code.jacobian_at[entry, 0], strict=True)))
+        return sorted((k, o) for o in range(len(self.components)) for k in self._bad_hessians(o))
+
+    def _bad_hessians(self, o: int) -> set[int]:
+        """The s where output o alone has a Hessian that is not finite; the compiled one is a sum over the outputs."""
+        last = self.arguments.shape[1] - len(self.components)
+        n, seconds = self.columns.shape[1], {"differentiate": 0.0, "compile": 0.0}
+        one = compile_family([self.code.outputs[o]], n, last - n, "lambda", seconds)
+        if one.hessian is None:
+            return set()
+        arguments = np.column_stack([self.arguments[:, :last], np.ones(len(self.arguments))])
+        return set(np.nonzero(~np.isfinite(one.hessian(arguments).reshape(len(arguments), -1)))[0])

@@ -1,0 +1,81 @@
+"""How a solve ended: the only table of solver statuses, each with what it means and what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+
+class Status(Enum):
+    """Name -> (IPOPT's return code, what happened, what to do)."""
+
+    SOLVED = (0, "solved", "")
+    ACCEPTABLE = (
+        1, "stopped at a point that meets only the looser 'acceptable' tolerance",
+        "look at the error estimate; scale the problem or refine the mesh, or say 'solver: {accept: acceptable}'")
+    INFEASIBLE = (
+        2, "the constraints contradict each other near this point",
+        "look at the constraint named as most violated: relax it, or start from a guess that satisfies it")
+    STALLED = (
+        3, "the search directions became too small",
+        "the problem is badly scaled or not smooth here; rescale it, or loosen the tolerance")
+    DIVERGING = (4, "the iterates run to infinity", "add bounds to the states and controls, or check the objective's sign")
+    INTERRUPTED = (5, "interrupted; this is the last iterate", "run it again, or start from this result as the guess")
+    FEASIBLE = (6, "found a feasible point of a problem without freedom left to optimise", "")
+    MAX_ITERATIONS = (
+        -1, "ran out of iterations",
+        "raise 'solver: {max_iter: ...}', give a better guess, or start on a coarser mesh")
+    RESTORATION_FAILED = (
+        -2, "could not become more feasible from here",
+        "look at the constraint named as most violated; give a better guess or a coarser first mesh")
+    STEP_FAILED = (
+        -3, "no search direction could be computed",
+        "two constraints probably say the same thing; remove one of them, or give a better guess")
+    MAX_CPU_TIME = (-4, "ran out of CPU time", "raise 'solver: {max_cpu_time: ...}' or use a coarser mesh")
+    MAX_WALL_TIME = (-5, "ran out of time", "raise 'solver: {max_wall_time: ...}' or use a coarser mesh")
+    OVERDETERMINED = (
+        -10, "there are more equality constraints than unknowns",
+        "free a boundary value, or add a control or a free final time")
+    INVALID_PROBLEM = (-11, "IPOPT refused the problem's definition", "look for a lower bound above its upper bound")
+    INVALID_OPTION = (-12, "IPOPT refused an option", "check the 'solver:' section")
+    INVALID_NUMBER = (
+        -13, "a function had no finite value where IPOPT had to have one",
+        "see the expression named below; bound its variables away from that point, or change the guess")
+    NO_MEMORY = (-102, "ran out of memory", "use fewer segments")
+    FAILED = (-199, "IPOPT failed inside", "try another 'solver: {linear_solver: ...}' or report it")
+
+    def __init__(self, code: int, message: str, remedy: str):
+        self.code, self.message, self.remedy = code, message, remedy
+
+    @property
+    def usable(self) -> bool:
+        """Whether the point is optimal, or nearly: good enough to start the next mesh from."""
+        return self in (Status.SOLVED, Status.ACCEPTABLE, Status.FEASIBLE)
+
+    @classmethod
+    def from_code(cls, code: int) -> Status:
+        return next((status for status in cls if status.code == code), cls.FAILED)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a solver gives back.
+
+    z: (n,) last iterate. y: (m,) constraint multipliers, z_lower and z_upper: (n,) bound multipliers, all for the
+    minimised objective. iterations: name -> (iterations,) array. failed: the last evaluation that was not finite,
+    as (point z, list of (component name, index)), or None.
+    """
+
+    status: Status
+    z: np.ndarray
+    y: np.ndarray
+    z_lower: np.ndarray
+    z_upper: np.ndarray
+    objective: float
+    iterations: dict[str, np.ndarray]
+    seconds: float
+    solver: dict[str, Any] = field(default_factory=dict)
+    failed: tuple[np.ndarray, list] | None = None

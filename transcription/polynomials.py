@@ -1,0 +1,40 @@
+"""Lagrange interpolation on the unit segment: barycentric weights, basis values, their integrals.
+
+All nodes and arguments are normalised times tau in [0, 1] on one segment. Sources: the paper, appendix D;
+Berrut and Trefethen, SIAM Review 46(3), 2004.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def barycentric_weights(c: np.ndarray) -> np.ndarray:
+    """Barycentric weights of the nodes c, shape (n,), scaled so that the largest magnitude is 1 (paper, (D.4))."""
+    differences = c[:, None] - c[None, :]
+    np.fill_diagonal(differences, 1.0)
+    # Logarithms keep the products of many small differences from underflowing at high degree.
+    logs = -np.log(np.abs(differences)).sum(axis=1)
+    signs = np.sign(differences).prod(axis=1)
+    return signs * np.exp(logs - logs.max())
+
+
+def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    """Values of the Lagrange polynomials of the nodes c, shape (n,), at tau, shape (m,): shape (m, n) (paper, (D.3))."""
+    distance = np.asarray(tau, float)[:, None] - c[None, :]
+    at_node = distance == 0
+    terms = barycentric_weights(c) / np.where(at_node, 1.0, distance)
+    terms = np.where(at_node.any(axis=1, keepdims=True), at_node, terms)
+    return terms / terms.sum(axis=1, keepdims=True)
+
+
+def integrated_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    """Integrals of the Lagrange polynomials of the nodes c from 0 to tau, shape (m, n).
+
+    Gauss-Legendre quadrature with enough points to be exact; monomial coefficients would lose digits at high degree.
+    """
+    tau = np.asarray(tau, float)
+    nodes, weights = np.polynomial.legendre.leggauss(len(c) // 2 + 1)
+    inside = np.outer(tau, (nodes + 1) / 2)
+    values = lagrange_basis(c, inside.ravel()).reshape(len(tau), len(nodes), len(c))
+    return np.einsum("m,q,mqn->mn", tau, weights / 2, values)

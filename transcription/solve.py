@@ -1,0 +1,166 @@
+"""The loop: transcribe, compile, solve, measure the error, and start the next mesh from there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ..problems.problem import Problem
+from ..problems.spec import Mesh as MeshEntry
+from . import ipopt
+from .collocation import Transcription, transcribe
+from .compiler import CompiledNLP
+from .costate import costates
+from .diagnose import Violation, explain_non_finite, violations
+from .error import ErrorProfile, error_profile
+from .mesh import Mesh
+from .outcome import Outcome, Status
+from .schemes import find
+from .trajectory import Trajectory, trajectories
+
+
+@dataclass(frozen=True)
+class Step:
+    """One entry of the mesh schedule: a method, a number of segments or their relative widths, IPOPT's tolerance."""
+
+    method: str
+    segments: int | Sequence[float]
+    tolerance: float
+
+    def mesh(self) -> Mesh:
+        scheme = find(self.method)
+        return Mesh.uniform(scheme, self.segments) if isinstance(self.segments, int) else Mesh(scheme, self.segments)
+
+
+def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
+    """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
+    return [Step(entry.method, entry.segments, entry.tolerance) for entry in schedule]
+
+
+@dataclass(frozen=True)
+class MeshRecord:
+    """How the solve on one mesh of the schedule went; objective as the user wrote it, seconds by part."""
+
+    step: Step
+    mesh: Mesh
+    status: Status
+    objective: float
+    max_eta: float
+    iterations: int
+    unknowns: int
+    constraints: int
+    seconds: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes."""
+
+    problem: Problem
+    status: Status
+    objective: float
+    trajectories: tuple[Trajectory, ...]
+    errors: tuple[ErrorProfile, ...]
+    meshes: tuple[MeshRecord, ...]
+    outcome: Outcome
+    violations: tuple[Violation, ...] = ()
+    trouble: str = ""
+    accept: Status = Status.SOLVED
+
+    @property
+    def solved(self) -> bool:
+        """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
+        return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
+
+    @property
+    def max_eta(self) -> float:
+        return max(error.max_eta for error in self.errors)
+
+
+def solve(
+    problem: Problem,
+    schedule: Sequence[Step],
+    options: Mapping[str, object] | None = None,
+    guess: Sequence | None = None,
+    progress: Callable[[int, dict], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+    accept: Status = Status.SOLVED,
+) -> Solution:
+    """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
+
+    guess: one for each phase, over the problem's own. progress: called with the number of the mesh and IPOPT's record
+    of each iteration. stop: asked at each iteration; true ends the solve and keeps the last iterate. accept: ACCEPTABLE
+    counts a point of IPOPT's looser tolerance as solved. A failed solve ends the schedule and is told by the status.
+    """
+    history = []
+    for number, step in enumerate(schedule):
+        report = partial(progress, number) if progress else None
+        solution = _solve_mesh(problem, step, options or {}, guess, report, stop)
+        history.extend(solution.meshes)
+        if not solution.status.usable:
+            break
+        guess = solution.trajectories
+    return replace(solution, meshes=tuple(history), accept=accept)
+
+
+def _solve_mesh(problem: Problem, step: Step, options, guess, progress, stop) -> Solution:
+    began = time.perf_counter()
+    transcription = transcribe(problem, [step.mesh() for _ in problem.phases], guess)
+    built = time.perf_counter()
+    nlp = CompiledNLP(transcription.model, transcription.variables)
+    compiled = time.perf_counter()
+    z, lower, upper = bounded_start(transcription)
+    outcome = ipopt.solve(nlp, z, lower, upper, {"tol": step.tolerance, **options}, progress=progress, stop=stop)
+    solved = time.perf_counter()
+    phases = trajectories(transcription, outcome.z)
+    lambdas = costates(transcription, nlp, outcome)
+    phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
+    errors = tuple(map(error_profile, phases))
+    solution = Solution(
+        problem, outcome.status, problem.sense * outcome.objective, phases, errors, (), outcome,
+        *_cause(transcription, nlp, outcome),
+    )  # fmt: skip
+    seconds = {
+        "build": built - began,
+        "differentiate": nlp.seconds["differentiate"],
+        "compile": nlp.seconds["compile"],
+        "assemble": compiled - built - nlp.seconds["differentiate"] - nlp.seconds["compile"],
+        "evaluate": nlp.seconds["evaluate"],
+        "linear algebra": solved - compiled - nlp.seconds["evaluate"],
+        "error": time.perf_counter() - solved,
+    }
+    return replace(solution, meshes=(_record(step, solution, nlp, seconds),))
+
+
+def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The initial values of the unknowns and their bounds, each shape (n,); infinite where there is no bound."""
+    table = [(v.value, v.lb, v.ub) for v in transcription.variables]
+    z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
+    return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
+
+
+def _cause(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
+    """Why a solve failed: the constraints its last point violates, and the expression that could not be evaluated."""
+    if outcome.status is Status.SOLVED:
+        return (), ""
+    broken = outcome.failed if outcome.status is Status.INVALID_NUMBER or not len(outcome.iterations["mu"]) else None
+    trouble = explain_non_finite(transcription, nlp, broken) if broken else ""
+    return tuple(violations(transcription, nlp, outcome.z)), trouble
+
+
+def _record(step: Step, solution: Solution, nlp: CompiledNLP, seconds: Mapping[str, float]) -> MeshRecord:
+    return MeshRecord(
+        step=step,
+        mesh=solution.trajectories[0].mesh,
+        status=solution.status,
+        objective=solution.objective,
+        max_eta=solution.max_eta,
+        iterations=max(len(solution.outcome.iterations["iteration"]) - 1, 0),
+        unknowns=nlp.n,
+        constraints=nlp.m,
+        seconds=seconds,
+    )

@@ -1,0 +1,94 @@
+"""Pyomo's templates: making them, reading them, and taking sums over Sets out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pyomo.core.base.constraint as pyomo_constraint
+import pyomo.core.base.objective as pyomo_objective
+from pyomo.core.expr import numeric_expr as ne
+from pyomo.core.expr.numvalue import native_types
+from pyomo.core.expr.template_expr import GetItemExpression, IndexTemplate, TemplateSumExpression
+
+
+class TemplateError(RuntimeError):
+    """The model is not of the form the compiler takes: a bug in what built it, not a mistake of the user."""
+
+
+@contextmanager
+def templated() -> Iterator[None]:
+    """While this is open, Pyomo calls each rule once, with an index placeholder, and keeps the one expression.
+
+    The two switches are private to Pyomo (not documented, off by default), hence the narrow version range of Pyomo in
+    pyproject.toml. A rule must neither loop over a Set nor branch on its index: Pyomo would silently write one
+    expression an index, which `template_of` refuses.
+    """
+    before = pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES
+    pyomo_constraint.TEMPLATIZE_CONSTRAINTS = pyomo_objective.TEMPLATIZE_OBJECTIVES = True
+    try:
+        yield
+    finally:
+        pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES = before
+
+
+def template_of(component) -> tuple[Any, IndexTemplate | None]:
+    """The one expression of a Constraint or Objective, and its index placeholder (None if it has no index).
+
+    Raises TemplateError if the component is not a template.
+    """
+    template = next((d.template_expr for d in component.values() if hasattr(d, "template_expr")), None)
+    if template is None:
+        raise TemplateError(
+            f"{component.name} is not a template: its rule loops over a Set, branches on its index, was called outside "
+            "templated(), or has been expanded by reading .expr")
+    expression, indices = template()
+    if len(indices) > 1:
+        raise TemplateError(f"{component.name} has {len(indices)} indices; a template has one or none")
+    return expression, (indices[0] if indices else None)
+
+
+def linear_parts(e) -> list[tuple[TemplateSumExpression | None, list, Any]]:
+    """Split a body into terms (sum, factors, expression): body = sum of product(factors) * expression.
+
+    A term with a sum runs over its Set; `factors` are Pyomo expressions or numbers without a sum in them.
+    """
+    return _Splitter().split(e)
+
+
+class _Splitter:
+    def __init__(self):
+        self.known: dict[int, bool] = {}
+
+    def has_sum(self, e) -> bool:
+        if e.__class__ in native_types or not e.is_expression_type() or isinstance(e, GetItemExpression):
+            return False
+        if id(e) not in self.known:
+            self.known[id(e)] = isinstance(e, TemplateSumExpression) or any(map(self.has_sum, e.args))
+        return self.known[id(e)]
+
+    def split(self, e) -> list:
+        if not self.has_sum(e):
+            return [(None, [], e)]
+        if isinstance(e, TemplateSumExpression):
+            return [_only_index(e)]
+        if isinstance(e, ne.SumExpressionBase):
+            return [term for a in e.args for term in self.split(a)]
+        if isinstance(e, ne.NegationExpression):
+            return self.scaled(-1, e.args[0])
+        if isinstance(e, ne.ProductExpression) and not all(map(self.has_sum, e.args)):
+            inside, factor = sorted(e.args, key=self.has_sum, reverse=True)
+            return self.scaled(factor, inside)
+        if isinstance(e, ne.DivisionExpression) and not self.has_sum(e.args[1]):
+            return self.scaled(1 / e.args[1], e.args[0])
+        raise TemplateError(f"a sum over a Set stands in a nonlinear term: {e}")
+
+    def scaled(self, factor, e) -> list:
+        return [(total, [factor, *factors], x) for total, factors, x in self.split(e)]
+
+
+def _only_index(e: TemplateSumExpression) -> tuple:
+    if len(e.template_iters()) != 1 or len(e.template_iters()[0]) != 1:
+        raise TemplateError(f"{e} runs over more than one index")
+    return e, [], e._local_args_[0]

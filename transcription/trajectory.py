@@ -1,0 +1,158 @@
+"""A solved phase as functions of time, by the interpolants of the scheme that solved it (paper, 3.4 and 4.4).
+
+On a segment that starts at t_k and lasts h, with tau = (t - t_k) / h and l_j the Lagrange polynomials of the
+scheme's collocation nodes:
+
+    u(t) = sum_j u_j l_j(tau)                                 (3.6), (4.10)
+    x(t) = x_k + h sum_j f_j (integral of l_j to tau)         (3.10), (4.13) as corrected
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..problems.problem import Phase
+from .collocation import Layout, Transcription
+from .mesh import Mesh
+from .polynomials import lagrange_basis
+
+DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
+DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); u (n_u, ...)."""
+
+    t: np.ndarray
+    x: np.ndarray
+    u: np.ndarray
+    dx: np.ndarray
+    costate: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One phase of a solution.
+
+    t: (2,) initial and final time. x: (n_x, K) and u: (n_u, K) at the points of the mesh; u is NaN at a point
+    that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, N, d + 1) on the
+    state nodes of each segment (see `costate`), or None.
+    """
+
+    phase: Phase
+    mesh: Mesh
+    t: np.ndarray
+    x: np.ndarray
+    u: np.ndarray
+    parameters: Mapping[str, float]
+    costate: np.ndarray | None = None
+
+    @property
+    def initial_time(self) -> float:
+        return float(self.t[0])
+
+    @property
+    def final_time(self) -> float:
+        return float(self.t[1])
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The times of the points, shape (K,)."""
+        return self.t[0] + (self.t[1] - self.t[0]) * self.mesh.fractions
+
+    @cached_property
+    def knots(self) -> np.ndarray:
+        """The times of the segment edges, shape (N + 1,)."""
+        return self.t[0] + (self.t[1] - self.t[0]) * self.mesh.edges
+
+    @cached_property
+    def h(self) -> np.ndarray:
+        """The durations of the segments, shape (N,)."""
+        return (self.t[1] - self.t[0]) * self.mesh.widths
+
+    @cached_property
+    def f(self) -> np.ndarray:
+        """The dynamics at the points, shape (n_x, K)."""
+        return self.phase.dynamics(self.times, self.x, self.u, self.parameters)
+
+    def evaluate(self, segment: np.ndarray, tau: np.ndarray) -> Sample:
+        """The trajectory at normalised times tau in [0, 1] of the given segments; the two arrays are broadcast."""
+        scheme, points = self.mesh.scheme, self.mesh.collocated[segment]
+        shape = (*np.shape(tau), len(scheme.c))
+        basis = scheme.control_basis(np.ravel(tau)).reshape(shape)
+        integral = scheme.state_basis(np.ravel(tau)).reshape(shape)
+        f, h = self.f[:, points], self.h[segment]
+        return Sample(
+            t=self.knots[segment] + h * tau,
+            x=self.x[:, self.mesh.first[segment]] + h * (f * integral).sum(axis=-1),
+            u=(self.u[:, points] * basis).sum(axis=-1),
+            dx=(f * basis).sum(axis=-1),
+            costate=None if self.costate is None else self._costate(segment, tau),
+        )
+
+    def _costate(self, segment: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        """The polynomial through the costates at the segment's state nodes."""
+        nodes = self.mesh.scheme.sigma
+        basis = lagrange_basis(nodes, np.ravel(tau)).reshape(*np.shape(tau), len(nodes))
+        return (self.costate[:, segment] * basis).sum(axis=-1)
+
+    @property
+    def point_costate(self) -> np.ndarray:
+        """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
+        total, sides = np.zeros_like(self.x), np.zeros(len(self.times))
+        for node, points in enumerate(self.mesh.nodes.T):
+            total[:, points] += self.costate[:, :, node]
+            sides[points] += 1
+        return total / sides
+
+    def at(self, s: np.ndarray) -> Sample:
+        """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
+        edges = self.mesh.edges
+        segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, self.mesh.segments - 1)
+        return self.evaluate(segment, (s - edges[segment]) / self.mesh.widths[segment])
+
+    def sample(self, name: str, s: np.ndarray) -> np.ndarray:
+        """One state or control at normalised times s, shape (M,): a trajectory is a guess for the next mesh."""
+        states = [state.name for state in self.phase.states]
+        controls = [control.name for control in self.phase.controls]
+        sample = self.at(s)
+        return sample.x[states.index(name)] if name in states else sample.u[controls.index(name)]
+
+    @cached_property
+    def dense(self) -> Sample:
+        """The trajectory on a fine grid, shapes (M,): equally spaced times on each segment, and the final one."""
+        segments = self.mesh.segments
+        count = int(np.clip(DENSE_POINTS // segments, 2 * self.mesh.degree, DENSE_PER_SEGMENT))
+        segment = np.append(np.repeat(np.arange(segments), count), segments - 1)
+        tau = np.append(np.tile(np.arange(count) / count, segments), 1.0)
+        return self.evaluate(segment, tau)
+
+
+def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajectory, ...]:
+    """Read the unknowns z, shape (n,), back into one trajectory for each phase."""
+    names = [p.name for p in transcription.problem.parameters]
+    parameters = dict(zip(names, z[transcription.parameters].tolist(), strict=True))
+    return tuple(_trajectory(layout, transcription, z, parameters) for layout in transcription.phases)
+
+
+def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, parameters: dict) -> Trajectory:
+    phase, mesh = layout.phase, layout.mesh
+    t = np.array([
+        z[i] if i >= 0 else bounds.lower
+        for i, bounds in zip(layout.t, (phase.initial_time, phase.final_time), strict=True)
+    ])
+    x = np.where(layout.x >= 0, z[layout.x], np.nan)
+    u = np.where(layout.u >= 0, z[layout.u], np.nan)
+    trajectory = Trajectory(phase, mesh, t, x, u, parameters)
+    for node, row in mesh.scheme.eliminated:
+        nodes, collocated = mesh.nodes, mesh.collocated
+        f = phase.dynamics(trajectory.times, x, u, parameters)
+        x[:, nodes[:, node]] = mesh.scheme.eliminate(
+            node, row, [x[:, k] for k in nodes.T], [f[:, k] for k in collocated.T], trajectory.h
+        )
+    return trajectory
