@@ -66,22 +66,26 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     return specs
 
 
-def console():
-    """A rich console for standard output; lines are not cut to a width where no terminal is."""
-    from rich.console import Console
-
-    plain = not sys.stdout.isatty()
-    return Console(width=200 if plain else None, highlight=False, soft_wrap=plain)
-
-
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A plain table on standard output; the columns named in `right` hold numbers."""
+    """A plain table on standard output; the columns named in `right` hold numbers.
+
+    It is fitted to a terminal; where there is none, lines are as long as they are, for grep and awk.
+    """
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
+    terminal = sys.stdout.isatty()
     table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     for column in columns:
-        table.add_column(column, justify="right" if column in right else "left")
+        table.add_column(column, justify="right" if column in right else "left", no_wrap=not terminal)
     for row in rows:
         table.add_row(*map(Text, row))
-    console().print(table)
+    console = Console(width=None if terminal else 10_000)
+    with console.capture() as lines:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in lines.get().splitlines()))
+
+
+def plural(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}{'es' if noun.endswith('sh') else 's'}"

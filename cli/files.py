@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .common import command, load_all
+from .common import command, load_all, plural
 from .solve import Files, Force, Method, Segments, Set, overrides
 
 
@@ -21,10 +21,8 @@ def check(files: Files, set_: Set = ()) -> None:
     for spec in load_all(files, list(set_)):
         for warning in spec.warnings:
             print(f"warning: {warning}", file=sys.stderr)
-        print(
-            f"{spec.file}: no mistakes; {len(spec.states)} states, {len(spec.controls)} controls, "
-            f"{len(spec.parameters)} parameters, {len(spec.mesh)} meshes"
-        )
+        counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))
+        print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in counts))
 
 
 @command

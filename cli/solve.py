@@ -25,6 +25,7 @@ Tolerance = Annotated[float, typer.Option("--tol", help="IPOPT's tolerance on th
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
+Guess = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the trajectories of this result.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, whatever it holds.")]
 
 
@@ -36,6 +37,7 @@ def solve(
     method: Method = None,
     segments: Segments = None,
     tol: Tolerance = None,
+    guess: Guess = None,
     json_: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -61,7 +63,7 @@ def solve(
     code = 0
     with _interruptible() as interrupted:
         for spec, target in zip(specs, targets, strict=True):
-            solved = _solve_one(spec, target, interrupted, json_, quiet, verbose)
+            solved = _solve_one(spec, target, guess, interrupted, json_, quiet, verbose)
             code = max(code, 0 if solved else NOT_SOLVED)
             if interrupted():
                 code = INTERRUPTED
@@ -92,10 +94,11 @@ def _targets(specs, output: Path | None) -> list[Path]:
     return [(output or Path()) / name for name in names]
 
 
-def _solve_one(spec, target: Path, interrupted, as_json: bool, quiet: bool, verbose: bool) -> bool:
+def _solve_one(spec, target: Path, guess: Path | None, interrupted, as_json: bool, quiet: bool, verbose: bool) -> bool:
     """Solve, write, print; returns whether it is solved."""
     from .progress import live_line, print_iteration
     from ..problems.build import build
+    from ..results.restart import guess_from
     from ..results.store import write
     from ..results.summary import summarize
     from ..transcription.outcome import Status
@@ -106,7 +109,8 @@ def _solve_one(spec, target: Path, interrupted, as_json: bool, quiet: bool, verb
     accept = Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED
     with live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        solution = run(problem, schedule, spec.solver.options, progress=progress, stop=interrupted, accept=accept)
+        start = guess_from(guess, problem) if guess else None
+        solution = run(problem, schedule, spec.solver.options, start, progress, interrupted, accept)
     write(target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
     summary = summarize(target)
     if as_json:

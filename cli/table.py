@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from .common import console, print_table
+import typer
+
+from .common import print_table
 
 
 def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
+    solved = summary["solved"]
+    title = f"{summary['problem']}: {'solved' if solved else 'NOT SOLVED'}"
+    typer.secho(title, bold=True, fg="green" if solved else "red")
     for name, text in _rows(summary):
-        table.add_row(name, Text(text))
-    title = f"{summary['problem']}: {'solved' if summary['solved'] else 'NOT SOLVED'}"
-    out = console()
-    out.print(Text(title, style="bold green" if summary["solved"] else "bold red"))
-    out.print(table)
+        print(f"{name:<12}{text}")
 
 
 def _rows(summary: dict[str, Any]):
@@ -54,7 +51,7 @@ def _error(error: dict[str, Any]) -> str:
         return "the dynamics have no finite value along the trajectory"
     return (
         f"max eta {error['max_eta']:.2e}, in {error['state']} "
-        f"on segment {error['segment']}, t = {error['start']:.4g} to {error['end']:.4g}"
+        f"on segment {error['segment'] + 1}, t = {error['start']:.4g} to {error['end']:.4g}"
     )
 
 

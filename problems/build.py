@@ -72,7 +72,7 @@ def constraint_names(spec: Spec) -> list[str]:
     for _, constraint in constraints(spec):
         name = constraint.name
         if not name:
-            stem = re.sub(r"\W+", "_", constraint.expression.text).strip("_")[:MAX_NAME].strip("_")
+            stem = re.sub(r"\W+", "_", constraint.expression.text).strip("_")[:MAX_NAME].strip("_") or "constraint"
             candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
             name = next(c for c in candidates if c not in taken and c not in names)
         names.append(name)

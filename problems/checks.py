@@ -13,12 +13,11 @@ from .places import Finding
 from .problem import Range
 from .spec import Spec
 from .symbols import BOUNDARY, CONSTANT, Symbols, constraints, no_value, uses
-from .syntax import RESERVED, nearest
+from .syntax import MAX_NAME, RESERVED, nearest
 from .tree import leaves
-from .yamltext import Path
+from .yamltext import Path, brief
 
 MAX_FUNCTIONS = 1000
-MAX_NAME = 60
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
@@ -70,7 +69,7 @@ class _Checker:
         for group in ("parameters", "expressions", "states", "controls", "optimize"):
             for name in getattr(self.spec, group):
                 if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-                    what = f'"{name[:MAX_NAME]}" cannot be a name'
+                    what = f'"{brief(name)}" cannot be a name'
                     self.error((group, name), what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
                 elif name in RESERVED:
                     remedy = f"choose another name, such as {name}1"
@@ -180,7 +179,7 @@ class _Checker:
         given: set[str] = set()
         for (path, _), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
             if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
-                what = f'"{name[:MAX_NAME]}" cannot be a name'
+                what = f'"{brief(name)}" cannot be a name'
                 self.error((*path, "name"), what, "use letters, digits, _, - and space")
             if name in given:
                 self.error((*path, "name"), f'another constraint is called "{name}" too', "give each its own name")
@@ -246,7 +245,7 @@ class _Checker:
         """Names that are declared and then play no part."""
         named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
         for name, kind in self.symbols.kinds.items():
-            if kind not in ("time", "state") and name not in named:
+            if kind not in ("time", "state", "unknown") and name not in named:
                 group = {"static parameter": "optimize"}.get(kind, kind + "s")
                 self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
 

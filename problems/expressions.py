@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .syntax import FUNCTIONS, MAX_EXPONENT, ExpressionError, tidy
+from .syntax import FUNCTIONS, MAX_EXPONENT, ExpressionError, shorten, tidy
 from .tree import Name, Node, Number, Operation, leaves, read
 
 
@@ -239,5 +239,5 @@ def parse(text: str) -> Expression:
     text = tidy(text)
     expression = Expression(text, read(text))
     if fault := expression.fault({}):
-        raise ExpressionError(f'"{fault.text}" {fault.why}', "give it a finite value or leave it out")
+        raise ExpressionError(f'"{shorten(fault.text)}" {fault.why}', "give it a finite value or leave it out")
     return expression

@@ -70,7 +70,7 @@ def _segments(value: Any) -> int | tuple[float, ...]:
         if min(widths) <= 0:
             raise mistake("a segment width is zero or negative", "write positive relative widths such as [1, 2, 1]")
         return widths
-    if isinstance(value, bool) or not isinstance(value, int | float) or value != int(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0:
         raise mistake(f"this must be a whole number or a list of widths, not {kind(value)}", "write for example 25")
     if not 1 <= value <= MAX_SEGMENTS:
         raise mistake(f"{value:g} segments are asked for", f"ask for 1 to {MAX_SEGMENTS}")
@@ -91,7 +91,7 @@ Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
 Formula = Annotated[
     Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
 ]
-Text = Annotated[str, BeforeValidator(_text), Field(max_length=MAX_TEXT)]
+Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
 Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
 Segments = Annotated[
     Any,

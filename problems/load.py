@@ -12,6 +12,7 @@ from .checks import check
 from .errors import FileError, Mistake, SpecError
 from .overrides import override
 from .places import Places
+from .repair import repair
 from .spec import Spec
 
 
@@ -36,7 +37,9 @@ def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequ
     try:
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})
     except ValidationError as error:
-        raise SpecError(places.mistakes(messages.findings(error, places))) from None
+        rest = repair(data, error)
+        found = messages.findings(error, places) + (check(rest)[0] if rest else [])
+        raise SpecError(places.mistakes(found)) from None
     errors, warnings = check(spec)
     if errors:
         raise SpecError(places.mistakes(errors))

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from .places import Finding, Places
 from .spec import Spec
 from .syntax import nearest
-from .yamltext import Path, kind
+from .yamltext import Path, brief, kind
 
 
 def findings(error: ValidationError, places: Places) -> list[Finding]:
@@ -30,7 +30,7 @@ def _finding(error: dict[str, Any], places: Places) -> Finding:
 def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
     """What is wrong and how to mend it. Types of pydantic's that no field can give fall through to its own words."""
     given, context = kind(error.get("input")), error.get("ctx", {})
-    key, form = path[-1] if path else "", _describe(path)
+    key, form = brief(path[-1]) if path else "", _describe(path)
     if error["type"] == "mistake":
         return context["what"], context["remedy"]
     if error["type"] == "extra_forbidden":

@@ -33,7 +33,9 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
             new = yamltext.value(value, where)
             for path in list(_paths(document.data, shown.strip(), where)):
                 _assign(document.data, path, new, where)
-                given[path] = shown.strip()
+                # what is on the way and not in the file is new as well
+                new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
+                given |= dict.fromkeys([*new_ones, path], shown.strip())
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -15,7 +15,7 @@ from .errors import Mistake
 from .fields import MAX_SEGMENTS, Entry, Formula, Number, Option, Segments, Shorthand, Text, mistake
 from .places import Finding, Places
 from .syntax import nearest
-from .yamltext import kind
+from .yamltext import brief, kind
 
 MAX_MESHES = 100
 MAX_KEYFRAMES = 10_000
@@ -164,7 +164,8 @@ class Guess(Entry):
     @classmethod
     def _unfold(cls, data: Any) -> Any:
         if isinstance(data, str) and data != "linear":
-            raise mistake(f'"{data}" is not a kind of guess', "write linear, {constants: ...} or {keyframes: ...}")
+            remedy = "write linear, {constants: ...} or {keyframes: ...}"
+            raise mistake(f'"{brief(data)}" is not a kind of guess', remedy)
         return {} if isinstance(data, str) else data
 
     @classmethod
@@ -191,7 +192,7 @@ class Mesh(Entry):
         if methods and value not in methods:
             close = nearest(value, methods)
             remedy = f"did you mean {close}?" if close else "write one of " + ", ".join(methods)
-            raise mistake(f'there is no method "{value}"', remedy)
+            raise mistake(f'there is no method "{brief(value)}"', remedy)
         return value
 
     @field_validator("tolerance")

@@ -11,11 +11,14 @@ from .expressions import Expression, Fault, cycles
 from .places import Finding
 from .problem import Range
 from .spec import Constraint, Spec
-from .syntax import nearest
+from .syntax import nearest, shorten
 from .tree import Name, count, leaves
 from .yamltext import Path, show
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
+
+# Stands for a value that is mistaken; see repair.py.
+UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
 # Where an expression stands decides what it may refer to.
 CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
@@ -89,6 +92,7 @@ class Symbols:
             "state": spec.states,
             "control": spec.controls,
             "static parameter": spec.optimize,
+            "unknown": UNKNOWN.names,
         }
         self.kinds = {name: kind for kind, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
@@ -104,7 +108,7 @@ class Symbols:
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
         return path not in self._wrong and all(
-            self.kinds[n.name] not in ("parameter", "expression")
+            self.kinds[n.name] in ("time", "state", "control", "static parameter")
             or n.name in self.numbers
             or n.name in self.definitions
             for n in leaves(expression.root)
@@ -146,6 +150,8 @@ class Symbols:
         kind = self.kinds.get(name.name)
         if kind is None:
             return self._unknown(name.name, context)
+        if kind == "unknown":
+            return None
         if context == CONSTANT and kind != "parameter":
             return (
                 f"{name.name} is a {kind}, but this value must be known before the solution is",
@@ -166,7 +172,7 @@ class Symbols:
         what = f'unknown name "{name}"'
         if name == "e":
             return what, "write exp(...) for a power of e"
-        known = [n for n, kind in self.kinds.items() if context != CONSTANT or kind == "parameter"]
+        known = [n for n, kind in self.kinds.items() if kind == "parameter" or (context != CONSTANT and n != "?")]
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
         return what, f"declare it, for example under parameters: as {name}: 1.0"
@@ -186,7 +192,7 @@ class Symbols:
     def _evaluate_parameter(self, name: str, expression: Expression) -> None:
         if fault := self.function(expression).fault({}):
             self.findings.append(no_value(("parameters", name), fault))
-        else:
+        elif self.sound(("parameters", name), expression):
             self.numbers[name] = self.function(expression).constant()
 
     def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
@@ -209,13 +215,14 @@ class Symbols:
 
     def _usable(self, name: str, expression: Expression) -> bool:
         parameters = [n.name for n in leaves(expression.root) if self.kinds.get(n.name) == "parameter"]
-        return ("expressions", name) not in self._wrong and self.numbers.keys() >= set(parameters)
+        known = self.numbers.keys() >= set(parameters) and "?" not in expression.names
+        return known and ("expressions", name) not in self._wrong
 
 
 def no_value(path: Path, fault: Fault) -> Finding:
     """The finding for an expression of constants without a finite value."""
     known = ", ".join(f"{name} = {value:g}" for name, value in fault.values.items())
-    what = f'"{fault.text}" {fault.why}' + (f" with {known}" if known else "")
+    what = f'"{shorten(fault.text)}" {fault.why}' + (f" with {known}" if known else "")
     return Finding(path, what, "change the expression or the parameters in it")
 
 

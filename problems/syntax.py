@@ -18,6 +18,7 @@ INCONSISTENT = ("abs", "min", "max")
 RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *INCONSISTENT, *keyword.kwlist})
 
 MAX_LENGTH = 4000  # characters
+MAX_NAME = 60
 MAX_DEPTH = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
@@ -163,6 +164,8 @@ def _check_token(text: str, token: Token) -> None:
             f"{token.text} is a word of Python, not of expressions, which have no branches",
             "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS),
         )
+    if len(token.text) > MAX_NAME:
+        _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
     if token.kind == "number" and float(token.text) > MAX_NUMBER:
         _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
 

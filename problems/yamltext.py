@@ -16,6 +16,7 @@ from typing import Any
 import yaml
 
 from .errors import Mistake, SpecError
+from .syntax import shorten, tidy
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
@@ -125,13 +126,18 @@ def kind(value: Any) -> str:
     if isinstance(value, int | float):
         return f"the number {value:g}"
     if isinstance(value, str):
-        return f'the text "{value if len(value) <= 40 else value[:37] + "..."}"'
+        return f'the text "{brief(value)}"'
     return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
+
+
+def brief(word: str | int) -> str:
+    """A word of the user's on one short line, for messages."""
+    return shorten(tidy(str(word)), 40)
 
 
 def show(path: Path) -> str:
     """A path as the user writes it: mesh.0.segments."""
-    return ".".join(map(str, path))
+    return ".".join(map(brief, path))
 
 
 def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
@@ -147,7 +153,9 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
         problem, remedy = "a tab in the indentation", "indent with spaces, not with tabs"
     else:
         remedy = next((r for phrase, r in _REMEDIES if phrase in problem), "look at this line and the one above it")
-    return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem})", remedy)
+    start = getattr(error, "context_mark", None) or mark
+    inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
+    return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
 
 
 class _Composer:
@@ -213,7 +221,7 @@ class _Composer:
 
     def alias(self, event: yaml.AliasEvent) -> Any:
         if event.anchor not in self.anchors:
-            self.stop(event, f"*{event.anchor} refers to no anchor", "put a text that starts with * in quotes")
+            self.stop(event, f"*{brief(event.anchor)} refers to no anchor", "put a text that starts with * in quotes")
         value, size = self.anchors[event.anchor]
         self.aliases += 1
         self.nodes += size
@@ -228,7 +236,8 @@ class _Composer:
         if len(path) > MAX_DEPTH:
             self.stop(event, f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation")
         if getattr(event, "tag", None) is not None:
-            self.stop(event, f"the tag {event.tag} is not allowed", "write the plain value, or put the text in quotes")
+            what = f"the tag {brief(event.tag)} is not allowed"
+            self.stop(event, what, "write the plain value, or put the text in quotes")
 
     def check_size(self, event: yaml.Event) -> None:
         if self.nodes > MAX_NODES:

@@ -20,7 +20,8 @@ flushed to disk, and renamed: there is never half a result under the final name,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -50,10 +51,27 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
 
 def _problem_of(path: Path) -> str | None:
     try:
-        with h5py.File(path, "r") as file:
-            return file.attrs["problem"] if file.attrs.get("format") == FORMAT else None
-    except OSError:
+        with open_result(path) as file:
+            return file.attrs["problem"]
+    except FileError:
         return None
+
+
+@contextmanager
+def open_result(path: Path) -> Iterator[h5py.File]:
+    """A result file, open for reading. Raises FileError if it cannot be read or is no result of this version."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        reason = "it cannot be read as HDF5" if path.is_file() else "there is no such file"
+        raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
+    with file:
+        if file.attrs.get("format") != FORMAT:
+            raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
+        if file.attrs["format_version"] > FORMAT_VERSION:
+            what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
+            raise FileError(Mistake(str(path), what, "update trajopt"))
+        yield file
 
 
 def write(path: Path, solution: Solution, spec_text: str, spec_full: str, command: str) -> None:

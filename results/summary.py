@@ -9,8 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..problems.errors import FileError, Mistake
-from .store import FORMAT, FORMAT_VERSION
+from .store import open_result
 
 
 def summarize(path: Path) -> dict[str, Any]:
@@ -18,21 +17,8 @@ def summarize(path: Path) -> dict[str, Any]:
 
     Raises FileError if the file cannot be read or is no result of trajopt.
     """
-    try:
-        with h5py.File(path, "r") as file:
-            _check_format(path, file)
-            return _plain(_summary(path, file))
-    except OSError as error:
-        reason = "there is no such file" if not path.exists() else "it cannot be read as HDF5"
-        raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
-
-
-def _check_format(path: Path, file: h5py.File) -> None:
-    if file.attrs.get("format") != FORMAT:
-        raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
-    if file.attrs["format_version"] > FORMAT_VERSION:
-        what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
-        raise FileError(Mistake(str(path), what, "update trajopt"))
+    with open_result(path) as file:
+        return _plain(_summary(path, file))
 
 
 def _summary(path: Path, file: h5py.File) -> dict[str, Any]:

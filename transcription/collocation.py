@@ -36,7 +36,8 @@ class Family:
     """The constraints of one Pyomo component, told in the user's terms.
 
     kind: "defect", "path", "bound" (of an eliminated state), "boundary" or "integral". name: of the state or the
-    constraint. span: (M, 2) normalised times that each constraint covers. row: of the scheme's defects, else 0.
+    constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights of the
+    points of a path constraint, else 1. row: of the scheme's defects, else 0.
     """
 
     component: Constraint
@@ -44,6 +45,7 @@ class Family:
     kind: str
     name: str
     span: np.ndarray
+    weights: np.ndarray
     row: int = 0
 
 
@@ -237,7 +239,7 @@ class _PhaseBuilder:
                 def rule(block, s, r=r, state=state):
                     return self._defect(s, r, state)
 
-                self._add(f"defect{r}_{state.name}", self.block.segment, rule, "defect", state.name, segments, r)
+                self._add(f"defect{r}_{state.name}", self.block.segment, rule, "defect", state.name, segments, row=r)
         for i, constraint in enumerate(self.phase.path):
             self._everywhere(f"path{i}", constraint.function, constraint.bounds, "path", constraint.name)
         for state in self.phase.states:
@@ -260,11 +262,12 @@ class _PhaseBuilder:
 
             self._add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
 
-    def _add(self, component: str, index, rule, kind: str, name: str, span, row: int = 0) -> None:
+    def _add(self, component: str, index, rule, kind: str, name: str, span, weights=1.0, row: int = 0) -> None:
         constraint = Constraint(rule=rule) if index is None else Constraint(index, rule=rule)
         self.block.add_component(component, constraint)
         span = np.atleast_2d(np.transpose(span))
-        self.families.append(Family(constraint, self.phase.name, kind, name, span, row))
+        weights = np.broadcast_to(weights, len(span))
+        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, row))
 
     def _defect(self, s, r: int, state: State):
         nodes = self._nodes(s)
@@ -274,22 +277,24 @@ class _PhaseBuilder:
 
     def _everywhere(self, component: str, function, bounds: Range, kind: str, name: str) -> None:
         """A constraint at every collocation point (paper, 3.3 and 4.3)."""
-        times = self.mesh.fractions[list(self.block.explicit)]
+        points = list(self.block.explicit)
+        times, weights = self.mesh.fractions[points], self.mesh.weights[points]
 
         def rule(block, k):
             return _between(bounds, function(self._at(k), pyomo))
 
-        self._add(component, self.block.explicit, rule, kind, name, (times, times))
+        self._add(component, self.block.explicit, rule, kind, name, (times, times), weights)
         self._at_eliminated(f"{component}_eliminated", function, bounds, kind, name)
 
     def _at_eliminated(self, component: str, function, bounds: Range, kind: str, name: str) -> None:
         for node in self.eliminated:
-            times = self.mesh.fractions[self.mesh.nodes[:, node]]
+            points = self.mesh.nodes[:, node]
+            times, weights = self.mesh.fractions[points], self.mesh.weights[points]
 
             def rule(block, s, node=node):
                 return _between(bounds, function(self._nodes(s)[node], pyomo))
 
-            self._add(f"{component}{node}", self.block.segment, rule, kind, name, (times, times))
+            self._add(f"{component}{node}", self.block.segment, rule, kind, name, (times, times), weights)
 
     def cost(self):
         cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0

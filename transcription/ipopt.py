@@ -47,7 +47,7 @@ class Start:
 
 
 WARM = {
-    "warm_start_init_point": "yes", "mu_init": 1e-4, "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
+    "warm_start_init_point": "yes", "mu_init": 1e-6, "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
     "warm_start_slack_bound_push": 1e-6, "warm_start_slack_bound_frac": 1e-6, "warm_start_mult_bound_push": 1e-8,
 }  # fmt: skip
 

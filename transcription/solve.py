@@ -21,6 +21,7 @@ from .mesh import Mesh
 from .outcome import Outcome, Status
 from .schemes import find
 from .trajectory import Trajectory, trajectories
+from .warm import Solved, warm_start
 
 
 @dataclass(frozen=True)
@@ -96,10 +97,10 @@ def solve(
     of each iteration. stop: asked at each iteration; true ends the solve and keeps the last iterate. accept: ACCEPTABLE
     counts a point of IPOPT's looser tolerance as solved. A failed solve ends the schedule and is told by the status.
     """
-    history = []
+    history, solved = [], None
     for number, step in enumerate(schedule):
         report = partial(progress, number) if progress else None
-        solution = _solve_mesh(problem, step, options or {}, guess, report, stop)
+        solution, solved = _solve_mesh(problem, step, options or {}, guess, solved, report, stop)
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
@@ -107,15 +108,16 @@ def solve(
     return replace(solution, meshes=tuple(history), accept=accept)
 
 
-def _solve_mesh(problem: Problem, step: Step, options, guess, progress, stop) -> Solution:
+def _solve_mesh(problem, step: Step, options, guess, solved: Solved | None, progress, stop) -> tuple[Solution, Solved]:
     began = time.perf_counter()
     transcription = transcribe(problem, [step.mesh() for _ in problem.phases], guess)
     built = time.perf_counter()
     nlp = CompiledNLP(transcription.model, transcription.variables)
     compiled = time.perf_counter()
     z, lower, upper = bounded_start(transcription)
-    outcome = ipopt.solve(nlp, z, lower, upper, {"tol": step.tolerance, **options}, progress=progress, stop=stop)
-    solved = time.perf_counter()
+    start = warm_start(solved, transcription, nlp) if solved else None
+    outcome = ipopt.solve(nlp, z, lower, upper, {"tol": step.tolerance, **options}, start, progress, stop)
+    ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
     lambdas = costates(transcription, nlp, outcome)
     phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
@@ -130,10 +132,11 @@ def _solve_mesh(problem: Problem, step: Step, options, guess, progress, stop) ->
         "compile": nlp.seconds["compile"],
         "assemble": compiled - built - nlp.seconds["differentiate"] - nlp.seconds["compile"],
         "evaluate": nlp.seconds["evaluate"],
-        "linear algebra": solved - compiled - nlp.seconds["evaluate"],
-        "error": time.perf_counter() - solved,
+        "linear algebra": ended - compiled - nlp.seconds["evaluate"],
+        "error": time.perf_counter() - ended,
     }
-    return replace(solution, meshes=(_record(step, solution, nlp, seconds),))
+    solution = replace(solution, meshes=(_record(step, solution, nlp, seconds),))
+    return solution, Solved(transcription, nlp, outcome, phases)
 
 
 def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,0 +1,46 @@
+"""Every broken problem file gives sentences that name the place and the remedy, quickly, and nothing else."""
+
+import time
+
+import broken
+import pytest
+
+from trajopt.problems.errors import FileError, SpecError
+from trajopt.problems.load import load
+
+
+def test_the_good_file_is_good(tmp_path):
+    path = tmp_path / "good.yaml"
+    path.write_text(broken.GOOD)
+    assert not load(path, methods=broken.METHODS).warnings
+
+
+@pytest.mark.parametrize("case", broken.CASES, ids=lambda case: case.name)
+def test_broken_file(case, tmp_path):
+    path = broken.write(case, tmp_path)
+    start = time.perf_counter()
+    with pytest.raises({"spec": SpecError, "file": FileError}[case.kind]) as error:
+        load(path, case.overrides, broken.METHODS)
+    assert time.perf_counter() - start < 2
+    place = case.place if case.place.startswith("--set") else f"{path}{case.place}"
+    sentences = [str(mistake) for mistake in error.value.mistakes]
+    assert any(s.startswith(place) and case.says in s for s in sentences), "\n".join(sentences)
+    assert all(len(s) < 700 and "\n" not in s for s in sentences)
+
+
+def test_there_are_enough_cases():
+    assert len({case.name for case in broken.CASES}) == len(broken.CASES) >= 60
+
+
+def test_all_mistakes_at_once_in_the_order_of_lines(tmp_path):
+    path = tmp_path / "bad.yaml"
+    path.write_text(broken.GOOD.replace("u*v", "u*w").replace("rate: v,", "rate: vv,").replace("upper: 3", "upper: q"))
+    with pytest.raises(SpecError) as error:
+        load(path, ["controls.u.upper=z"], broken.METHODS)
+    places = [mistake.where.removeprefix(f"{path}:") for mistake in error.value.mistakes]
+    assert places == [
+        "9: expressions.power",
+        "12: states.x.rate",
+        "21: constraints.path.0.upper",
+        "--set controls.u.upper",
+    ]

@@ -1,0 +1,85 @@
+"""Multipliers of a solved mesh -> multipliers to start the next mesh from.
+
+Multipliers are no functions of time, but densities of them are: with the quadrature weight w_k of a point and the
+phase's duration T,
+
+    y_k / (w_k T)   of a path constraint or a bound     approximates the multiplier function of the continuous problem,
+    mu_s R          of the defects of segment s         equals -b lambda, lambda being the costate (see `costate`).
+
+So costates and densities are interpolated to the new points and turned back. Boundary and integral constraints, free
+times and parameters have one multiplier each, which is kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .collocation import Family, Layout, Transcription
+from .compiler import CompiledNLP
+from .ipopt import Start
+from .outcome import Outcome
+from .trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What a solve leaves for the next one."""
+
+    transcription: Transcription
+    nlp: CompiledNLP
+    outcome: Outcome
+    trajectories: tuple[Trajectory, ...]
+
+
+def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:
+    """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,)."""
+    y = np.zeros(nlp.m)
+    for family in transcription.families:
+        y[nlp.rows(family.component)] = _family(family, old, transcription)
+    lower, upper = np.zeros((2, nlp.n))
+    for new, values in ((lower, old.outcome.z_lower), (upper, old.outcome.z_upper)):
+        new[transcription.parameters] = values[old.transcription.parameters]
+        for layout, before in zip(transcription.phases, old.transcription.phases, strict=True):
+            _bounds(layout, before, new, values)
+    return Start(y, lower, upper)
+
+
+def _family(family: Family, old: Solved, transcription: Transcription) -> np.ndarray:
+    number = [layout.phase.name for layout in transcription.phases].index(family.phase)
+    if family.kind == "defect":
+        layout, trajectory = transcription.phases[number], old.trajectories[number]
+        return _defects(family, layout, trajectory) * transcription.problem.sense
+    wanted = (family.phase, family.kind, family.name)
+    same = [f for f in old.transcription.families if (f.phase, f.kind, f.name) == wanted]
+    if not same:  # the bounds of a state that the scheme before did not eliminate
+        return np.zeros(len(family.span))
+    before = np.concatenate([old.outcome.y[old.nlp.rows(f.component)] / f.weights for f in same])
+    times = np.concatenate([f.span[:, 0] for f in same])
+    order = np.argsort(times)
+    return family.weights * np.interp(family.span[:, 0], times[order], before[order])
+
+
+def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarray:
+    """mu of one state and one row of the scheme, for every segment: mu R = -b lambda, in the least-squares sense."""
+    scheme, state = layout.mesh.scheme, [s.name for s in layout.phase.states].index(family.name)
+    times = layout.mesh.fractions[layout.mesh.collocated]
+    costate = trajectory.at(times.ravel()).costate[state].reshape(times.shape)
+    rows = list(scheme.rows)
+    return (-(scheme.b * costate) @ np.linalg.pinv(scheme.R[rows]))[:, rows.index(family.row)]
+
+
+def _bounds(layout: Layout, before: Layout, new: np.ndarray, values: np.ndarray) -> None:
+    """Multipliers of the bounds on the times, states and controls of one phase, into `new`."""
+    for place, old in zip(layout.t, before.t, strict=True):
+        if place >= 0:
+            new[place] = values[old]
+    for places, olds in ((layout.x, before.x), (layout.u, before.u)):
+        for place, old in zip(places, olds, strict=True):
+            known, wanted = np.flatnonzero(old >= 0), np.flatnonzero(place >= 0)
+            density = values[old[known]] / before.mesh.weights[known]
+            at = np.interp(layout.mesh.fractions[wanted], before.mesh.fractions[known], density)
+            new[place[wanted]] = at * layout.mesh.weights[wanted]
+            for end in (0, -1):  # the bounds of an initial or final value act once, not over time
+                new[place[wanted[end]]] = values[old[known[end]]]
