@@ -18,6 +18,7 @@ from .tree import leaves
 from .yamltext import Path, brief
 
 MAX_FUNCTIONS = 1000
+MAX_NAMES = 5000
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
@@ -25,6 +26,8 @@ _TITLE = re.compile(r"\w[\w -]*")
 
 def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
+    if too_many := _too_many(spec):
+        return too_many, []
     checker = _Checker(spec)
     checker.names()
     checker.values()
@@ -46,6 +49,15 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
         checker.objective()
         checker.unused()
     return checker.errors, checker.warnings
+
+
+def _too_many(spec: Spec) -> list[Finding]:
+    """A finding if the problem is so large that checking it would take long."""
+    for groups, limit in ((("states", "controls"), MAX_FUNCTIONS), (("parameters", "expressions", "optimize"), MAX_NAMES)):
+        if sum(len(getattr(spec, group)) for group in groups) > limit:
+            what = f"there are more than {limit} {', '.join(groups)}"
+            return [Finding((groups[0],), what, "make the problem smaller")]
+    return []
 
 
 class _Checker:
@@ -78,9 +90,6 @@ class _Checker:
                     what = f"{name} is already declared under {first[name]}"
                     self.error((group, name), what, "give every name once, in one section")
                 first.setdefault(name, group)
-        if len(self.spec.states) + len(self.spec.controls) > MAX_FUNCTIONS:
-            what = f"there are more than {MAX_FUNCTIONS} states and controls"
-            self.error(("states",), what, "make the problem smaller")
 
     def values(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""

@@ -116,17 +116,18 @@ class Expression:
             return float(_Walk({}, np, np.float64).value(self))
 
 
-def cycles(graph: Mapping[str, set[str]]) -> list[list[str]]:
-    """Cyclic references, each as [a, b, a]; every name stands in one of them at most."""
+def cycles(graph: Mapping[str, set[str]], most: int = 20) -> list[list[str]]:
+    """Cyclic references, each as [a, b, a], at most so many; no name stands in two of them."""
     graph, found = dict(graph), []
-    while True:
+    while len(found) < most:
         try:
             TopologicalSorter(graph).prepare()
         except CycleError as error:
             found.append(error.args[1][::-1])
-            graph = {name: needs - set(found[-1]) for name, needs in graph.items() if name not in found[-1]}
+            graph = {name: needs.difference(found[-1]) for name, needs in graph.items() if name not in found[-1]}
         else:
-            return found
+            break
+    return found
 
 
 def power(base: Any, exponent: Any) -> Any:

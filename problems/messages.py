@@ -7,7 +7,7 @@ from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from .places import Finding, Places
+from .places import MAX_FINDINGS, Finding, Places
 from .spec import Spec
 from .syntax import nearest
 from .yamltext import Path, brief, kind
@@ -15,7 +15,12 @@ from .yamltext import Path, brief, kind
 
 def findings(error: ValidationError, places: Places) -> list[Finding]:
     """One finding for each error, at the longest part of its path that stands in the file."""
-    return [_finding(e, places) for e in error.errors(include_url=False)]
+    # one more than will be shown
+    errors = error.errors(include_url=False)[: MAX_FINDINGS + 1]
+    extra = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
+    # a key that is only misspelt is not missing as well
+    meant = {(*path[:-1], close) for path in extra if (close := nearest(path[-1], _keys(path[:-1])))}
+    return [_finding(e, places) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
 
 
 def _finding(error: dict[str, Any], places: Places) -> Finding:
@@ -50,11 +55,15 @@ def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
 
 
 def _other_key(path: Path) -> str:
-    owner = _field(path[:-1])
-    keys = list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
-    if close := nearest(path[-1], keys):
-        return f"did you mean {close}?"
-    return "the keys here are " + ", ".join(keys)
+    keys = _keys(path[:-1])
+    close = nearest(path[-1], keys)
+    return f"did you mean {close}?" if close else "the keys here are " + ", ".join(keys)
+
+
+def _keys(path: Path) -> list[str]:
+    """The keys that the mapping at this path may have."""
+    owner = _field(path)
+    return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
 
 
 def _describe(path: Path) -> str:

@@ -10,6 +10,9 @@ from .errors import Mistake
 from .yamltext import Path, show
 
 
+MAX_FINDINGS = 100
+
+
 class Finding(NamedTuple):
     """A mistake at a path: `Mistake` without the file."""
 
@@ -27,9 +30,12 @@ class Places:
     overrides: Mapping[Path, str] = field(default_factory=dict)
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
-        """Each finding once, in the order of lines, those of overrides last."""
+        """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read."""
         ordered = sorted(dict.fromkeys(findings), key=lambda finding: self._line(finding.path))
-        return tuple(Mistake(self._where(f.path), f.what, f.remedy) for f in ordered)
+        located = [Mistake(self._where(f.path), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
+        if len(ordered) > MAX_FINDINGS:
+            located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
+        return tuple(located)
 
     def known(self, path: Path) -> bool:
         return path in self.lines or path in self.overrides

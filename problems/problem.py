@@ -1,13 +1,15 @@
 """The continuous optimal control problem: nothing discrete and nothing of YAML in it.
 
     minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
-    subject to dx/dt = f(t, x, u, p)                         at every time,
+    subject to dx/dt = f(t, x, u, z, p),  0 = r(t, x, u, z, p)   at every time      (dynamics, residuals),
                lower <= g(t, x, u, p) <= upper               at every time      (path),
                lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
                lower <= integral of g(t, x, u, p) dt <= upper                   (integral),
                bounds on x, u, p, t0, tF, x(t0), x(tF).
 
-This is problem (1.1)-(1.7) of the paper with static parameters p added.
+This is problem (1.1)-(1.7) of the paper with static parameters p and algebraic variables z added. There are as many
+residuals r as algebraic variables; they make the dynamics implicit. Where a symbol u stands for an array, its rows are
+the inputs of the dynamics: the controls, then the algebraic variables.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ import numpy as np
 class Function(Protocol):
     """A scalar function of named values.
 
-    Called with `values`, which maps the names t, the states, the controls and the static parameters (or, at the
+    Called with `values`, which maps the names t, the states, the inputs and the static parameters (or, at the
     boundary, "t[initial]", "q1[final]", ...) to numbers, NumPy arrays of one shape, or Pyomo expressions, and with
     the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
     """
@@ -48,7 +50,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Variable:
-    """A control or a static parameter."""
+    """A control, an algebraic variable or a static parameter."""
 
     name: str
     unit: str = ""
@@ -77,7 +79,7 @@ class Constraint:
 class Guess:
     """A piecewise linear initial trajectory.
 
-    s: (K,) increasing, 0 at the initial and 1 at the final time. values: name of each state and control -> (K,).
+    s: (K,) increasing, 0 at the initial and 1 at the final time. values: name of each state and input -> (K,).
     """
 
     initial_time: float
@@ -87,7 +89,7 @@ class Guess:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     def sample(self, name: str, s: np.ndarray) -> np.ndarray:
-        """Values of one state or control at normalised times s, any shape."""
+        """Values of one state or input at normalised times s, any shape."""
         return np.interp(s, self.s, self.values[name])
 
 
@@ -101,6 +103,8 @@ class Phase:
     states: tuple[State, ...]
     controls: tuple[Variable, ...]
     guess: Guess
+    algebraic: tuple[Variable, ...] = ()
+    residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
     boundary: tuple[Constraint, ...] = ()
     integral: tuple[Constraint, ...] = ()
@@ -108,11 +112,16 @@ class Phase:
     mayer: Function | None = None
     time_unit: str = "s"
 
+    @property
+    def inputs(self) -> tuple[Variable, ...]:
+        """The controls, then the algebraic variables: the rows of every array u."""
+        return self.controls + self.algebraic
+
     def values(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
         """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}
-        controls = {control.name: row for control, row in zip(self.controls, u, strict=True)}
-        return {"t": t, **states, **controls, **p}
+        inputs = {variable.name: row for variable, row in zip(self.inputs, u, strict=True)}
+        return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
         """f(t, x, u, p), shape (n_x, ...)."""

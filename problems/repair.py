@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from .places import MAX_FINDINGS
 from .spec import Spec
 from .symbols import UNKNOWN
 from .yamltext import Path
@@ -27,6 +28,8 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
 
     Without a section of names, which names are unknown cannot be told: then the answer is None too.
     """
+    if error.error_count() > MAX_FINDINGS:
+        return None
     data = copy.deepcopy(data)
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
@@ -43,39 +46,49 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
 
 def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
     """Put something harmless at a path, or at the value on the way that is no mapping, or take it away."""
-    node: Any = data
-    for depth, key in enumerate(path[:-1]):
-        inner = node.get(key) if isinstance(node, dict) else node[key]
-        if not isinstance(inner, dict | list):
-            path = path[: depth + 1]
-            break
-        node = inner
-    harmless = None if extra else _harmless(path)
     if path[0] == "mesh":
         data["mesh"] = _MESH
-    elif harmless is None and isinstance(node, dict):
-        node.pop(path[-1], None)
+        return
+    nodes: list[Any] = [data]
+    while len(nodes) < len(path) and isinstance(inner := _below(nodes[-1], path[len(nodes) - 1]), dict | list):
+        nodes.append(inner)
+    if isinstance(nodes[-1], list) and not isinstance(path[len(nodes) - 1], int):
+        # a list where one value should stand
+        nodes.pop()
+    path = path[: len(nodes)]
+    harmless = None if extra else _harmless(path)
+    if harmless is None and isinstance(nodes[-1], dict):
+        nodes[-1].pop(path[-1], None)
     else:
-        node[path[-1]] = harmless
+        nodes[-1][path[-1]] = harmless
+
+
+def _below(node: Any, key: str | int) -> Any:
+    if isinstance(node, dict):
+        return node.get(key)
+    return node[key] if isinstance(key, int) and key < len(node) else None
 
 
 def _harmless(path: Path) -> Any:
     """A value about which no check says anything; None where the key is better left out."""
+    known = UNKNOWN if path[-1] in _FORMULAS and len(path) > 1 else None
     match path:
         case ("trajopt",):
-            return 1
-        case ("objective", *_) if path[-1] not in _FORMULAS:
-            return _OBJECTIVE if len(path) == 1 else _OBJECTIVE["minimize"]
+            known = 1
+        case ("objective",):
+            known = _OBJECTIVE
+        case ("objective", _):
+            known = _OBJECTIVE["minimize"]
         case ("time",):
-            return {"initial": UNKNOWN, "final": UNKNOWN}
+            known = {"initial": UNKNOWN, "final": UNKNOWN}
         case ("states", _):
-            return {"rate": UNKNOWN}
+            known = {"rate": UNKNOWN}
         case ("controls" | "optimize", _):
-            return {}
+            known = {}
         case ("constraints", _, int()):
-            return {"expression": UNKNOWN, "equals": UNKNOWN}
+            known = {"expression": UNKNOWN, "equals": UNKNOWN}
         case ("parameters" | "expressions", _) | (_, _, "initial" | "final") | ("time", "initial" | "final"):
-            return UNKNOWN
+            known = UNKNOWN
         case ("guess", "constants", _) | ("guess", "keyframes", _, _):
-            return UNKNOWN
-    return UNKNOWN if path[-1] in _FORMULAS and len(path) > 1 else None
+            known = UNKNOWN
+    return known

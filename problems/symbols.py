@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +14,9 @@ from .problem import Range
 from .spec import Constraint, Spec
 from .syntax import nearest, shorten
 from .tree import Name, count, leaves
-from .yamltext import Path, show
+from .yamltext import Path
 
+MAX_SUGGESTIONS = 20  # looking for a similar name among thousands takes time
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see repair.py.
@@ -100,6 +102,7 @@ class Symbols:
         self.numbers: dict[str, float] = {}
         self.definitions: dict[str, Expression] = {}
         self._wrong: set[Path] = set()
+        self._unknown_names = 0
         for use in uses(spec):
             self._check_names(use)
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
@@ -147,76 +150,74 @@ class Symbols:
             seen.add((name.name, name.end))
 
     def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
-        kind = self.kinds.get(name.name)
+        """What is wrong with a name in this context, and the remedy."""
+        kind, found = self.kinds.get(name.name), None
         if kind is None:
-            return self._unknown(name.name, context)
-        if kind == "unknown":
-            return None
-        if context == CONSTANT and kind != "parameter":
-            return (
+            found = self._unknown(name.name, context)
+        elif context == CONSTANT and kind not in ("parameter", "unknown"):
+            found = (
                 f"{name.name} is a {kind}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
-        if context == TRAJECTORY and name.end:
-            return (
+        elif context == TRAJECTORY and name.end:
+            found = (
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
                 f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
             )
-        if context == BOUNDARY and name.end and kind in ("parameter", "static parameter"):
-            return f"{name.name} is a {kind} and has only one value", f"write {name.name}"
-        if context == BOUNDARY and not name.end and kind in ("time", "state", "control"):
-            return _bare(name.name, kind)
-        return None
+        elif context == BOUNDARY and name.end and kind in ("parameter", "static parameter"):
+            found = f"{name.name} is a {kind} and has only one value", f"write {name.name}"
+        elif context == BOUNDARY and not name.end and kind in ("time", "state", "control"):
+            found = (
+                f"{name.name} has a value at every time, but this expression is about the two ends",
+                f"write {name.name}[final] or {name.name}[initial]",
+            )
+        return found
 
     def _unknown(self, name: str, context: str) -> tuple[str, str]:
         what = f'unknown name "{name}"'
         if name == "e":
             return what, "write exp(...) for a power of e"
+        if self._unknown_names >= MAX_SUGGESTIONS:
+            return what, "declare it"
+        self._unknown_names += 1
         known = [n for n, kind in self.kinds.items() if kind == "parameter" or (context != CONSTANT and n != "?")]
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
         return what, f"declare it, for example under parameters: as {name}: 1.0"
 
-    def _evaluate_parameters(self, values: dict[str, Expression]) -> None:
-        graph = {name: {n.name for n in leaves(v.root)} & values.keys() for name, v in values.items()}
-        for cycle in cycles(graph):
-            self.findings.append(_circle("parameters", cycle))
-            self._wrong.update(("parameters", name) for name in cycle)
-        # each round evaluates the parameters whose own parameters are known
-        waiting = [name for name in values if ("parameters", name) not in self._wrong]
-        while ready := [name for name in waiting if graph[name] <= self.numbers.keys()]:
-            for name in ready:
-                self._evaluate_parameter(name, values[name])
-            waiting = [name for name in waiting if name not in ready]
-
-    def _evaluate_parameter(self, name: str, expression: Expression) -> None:
-        if fault := self.function(expression).fault({}):
-            self.findings.append(no_value(("parameters", name), fault))
-        elif self.sound(("parameters", name), expression):
-            self.numbers[name] = self.function(expression).constant()
-
-    def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
+    def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
+        """The names of a group, each after those that its expression refers to; those in a circle are left out."""
         graph = {name: {n.name for n in leaves(e.root)} & expressions.keys() for name, e in expressions.items()}
         for cycle in cycles(graph):
-            self.findings.append(_circle("expressions", cycle))
-            self._wrong.update(("expressions", name) for name in cycle)
-        sizes: dict[str, int] = {}
-        waiting = list(expressions)
-        while ready := [n for n in waiting if graph[n] <= sizes.keys() and self._usable(n, expressions[n])]:
-            for name in ready:
-                inner = [n.name for n in leaves(expressions[name].root) if n.name in sizes]
-                sizes[name] = count(expressions[name].root) + sum(sizes[n] for n in inner)
-                if sizes[name] > MAX_SIZE:
-                    what = f"written out, this expression has more than {MAX_SIZE} terms"
-                    self.findings.append(Finding(("expressions", name), what, "refer to fewer expressions in it"))
-                    return
-                self.definitions[name] = expressions[name]
-            waiting = [name for name in waiting if name not in ready]
+            what = f"{' -> '.join(cycle[:10])} is a circle: each is defined by the next"
+            self.findings.append(Finding((group, cycle[0]), what, f"give {cycle[0]} without the others"))
+            self._wrong.update((group, name) for name in cycle)
+        sound = {name: {n for n in needs if n in graph} for name, needs in graph.items() if (group, name) not in self._wrong}
+        return [name for name in TopologicalSorter(sound).static_order() if name in sound]
 
-    def _usable(self, name: str, expression: Expression) -> bool:
-        parameters = [n.name for n in leaves(expression.root) if self.kinds.get(n.name) == "parameter"]
-        known = self.numbers.keys() >= set(parameters) and "?" not in expression.names
-        return known and ("expressions", name) not in self._wrong
+    def _evaluate_parameters(self, values: dict[str, Expression]) -> None:
+        for name in self._ordered("parameters", values):
+            if not self.sound(("parameters", name), values[name]):
+                continue
+            needed = {n.name: self.numbers[n.name] for n in leaves(values[name].root)}
+            bound = values[name].bind(needed, {})
+            if fault := bound.fault({}):
+                self.findings.append(no_value(("parameters", name), fault))
+            else:
+                self.numbers[name] = bound.constant()
+
+    def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
+        sizes: dict[str, int] = {}
+        for name in self._ordered("expressions", expressions):
+            if not self.sound(("expressions", name), expressions[name]):
+                continue
+            inner = [n.name for n in leaves(expressions[name].root) if n.name in sizes]
+            sizes[name] = count(expressions[name].root) + sum(sizes[n] for n in inner)
+            if sizes[name] > MAX_SIZE:
+                what = f"written out, this expression has more than {MAX_SIZE} terms"
+                self.findings.append(Finding(("expressions", name), what, "refer to fewer expressions in it"))
+                return
+            self.definitions[name] = expressions[name]
 
 
 def no_value(path: Path, fault: Fault) -> Finding:
@@ -224,13 +225,3 @@ def no_value(path: Path, fault: Fault) -> Finding:
     known = ", ".join(f"{name} = {value:g}" for name, value in fault.values.items())
     what = f'"{shorten(fault.text)}" {fault.why}' + (f" with {known}" if known else "")
     return Finding(path, what, "change the expression or the parameters in it")
-
-
-def _bare(name: str, kind: str) -> tuple[str, str]:
-    what = f"{name} is a {kind}, which has a value at every time, but this expression is about the two ends"
-    return what, f"write {name}[final] or {name}[initial]"
-
-
-def _circle(group: str, cycle: list[str]) -> Finding:
-    what = f"{' -> '.join(cycle)} is a circle: each is defined by the next"
-    return Finding((group, cycle[0]), what, f"give {show((group, cycle[0]))} without the others")

@@ -4,9 +4,9 @@ The model holds model.p[name], the static parameters to optimise, and one block 
 
     t0, tF                        initial and final time, fixed where the problem fixes them
     x[state, point]               states; no variable at the points that a scheme eliminates
-    u[control, point]             controls at the collocation points
+    u[control, point]             controls, and z[algebraic, point], at the collocation points
     defect<r>_<state>[segment]    the dynamics: sum_i L[r, i] x_i == h sum_j R[r, j] f_j
-    path<i>[point], boundary<i>, integral<i>
+    residual<i>[point], path<i>[point], boundary<i>, integral<i>
 
 Every rule is called once, with an index placeholder (see `templates.templated`), so that building the constraints costs
 the same for ten segments and for ten thousand. The unknowns z are ordered point by point, (x_0, u_0, x_1, u_1, ...),
@@ -35,7 +35,7 @@ MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: re
 class Family:
     """The constraints of one Pyomo component, told in the user's terms.
 
-    kind: "defect", "path", "bound" (of an eliminated state), "boundary" or "integral". name: of the state or the
+    kind: "defect", "residual", "path", "bound" (of an eliminated state), "boundary" or "integral". name: of the state or the
     constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights of the
     points of a path constraint, else 1. row: of the scheme's defects, else 0.
     """
@@ -51,7 +51,7 @@ class Family:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the unknowns of one phase stand in z: x (n_x, K), u (n_u, K), t (2,); -1 where there is no unknown."""
+    """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown."""
 
     phase: Phase
     mesh: Mesh
@@ -122,12 +122,12 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence[_PhaseBu
     for builder in builders:
         block, phase, mesh = builder.block, builder.phase, builder.mesh
         x = np.full((len(phase.states), len(mesh.fractions)), -1)
-        u = np.full((len(phase.controls), len(mesh.fractions)), -1)
+        u = np.full((len(phase.inputs), len(mesh.fractions)), -1)
         for k in range(len(mesh.fractions)):
             for i, state in enumerate(phase.states):
                 x[i, k] = place(block.x, (state.name, k))
-            for i, control in enumerate(phase.controls):
-                u[i, k] = place(block.u, (control.name, k))
+            for i, (component, name) in enumerate(builder.inputs):
+                u[i, k] = place(component, (name, k))
         t = np.array([place(block.t0), place(block.tF)])
         phases.append(Layout(phase, mesh, x, u, t))
     parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
@@ -157,16 +157,24 @@ class _PhaseBuilder:
         self._index_sets()
         block.x = Var([state.name for state in phase.states], block.stored)
         block.u = Var([control.name for control in phase.controls], block.collocated)
+        if phase.algebraic:
+            block.z = Var([algebraic.name for algebraic in phase.algebraic], block.collocated)
         last = len(mesh.fractions) - 1
         for state in phase.states:
             ends = {0: state.initial, last: state.final}
             values = guess.sample(state.name, mesh.fractions).tolist()
             for k in block.stored:
                 _bound(block.x[state.name, k], ends.get(k, state.bounds), values[k])
-        for control in phase.controls:
-            values = guess.sample(control.name, mesh.fractions).tolist()
+        for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
+            values = guess.sample(name, mesh.fractions).tolist()
             for k in block.collocated:
-                _bound(block.u[control.name, k], control.bounds, values[k])
+                _bound(component[name, k], variable.bounds, values[k])
+
+    @property
+    def inputs(self) -> list[tuple[Var, str]]:
+        """(component, name) of each row of u."""
+        controls = [(self.block.u, control.name) for control in self.phase.controls]
+        return controls + [(self.block.z, algebraic.name) for algebraic in self.phase.algebraic]
 
     def _index_sets(self) -> None:
         block, mesh = self.block, self.mesh
@@ -198,7 +206,7 @@ class _PhaseBuilder:
         block = self.block
         values = dict(self.p)
         values["t"] = block.t0 + self.duration * block.fraction[k]
-        values |= {control.name: block.u[control.name, k] for control in self.phase.controls}
+        values |= {name: component[name, k] for component, name in self.inputs}
         if states:
             values |= {state.name: block.x[state.name, k] for state in self.phase.states}
         return values
@@ -226,7 +234,7 @@ class _PhaseBuilder:
         for end, time, k in (("initial", block.t0, 0), ("final", block.tF, len(self.mesh.fractions) - 1)):
             values[f"t[{end}]"] = time
             values |= {f"{state.name}[{end}]": block.x[state.name, k] for state in self.phase.states}
-            values |= {f"{control.name}[{end}]": block.u[control.name, k] for control in self.phase.controls}
+            values |= {f"{name}[{end}]": component[name, k] for component, name in self.inputs}
         return values
 
     # -- constraints and objective ---------------------------------------------------------------------------------
@@ -240,6 +248,8 @@ class _PhaseBuilder:
                     return self._defect(s, r, state)
 
                 self._add(f"defect{r}_{state.name}", self.block.segment, rule, "defect", state.name, segments, row=r)
+        for i, residual in enumerate(self.phase.residuals):
+            self._everywhere(f"residual{i}", residual.function, residual.bounds, "residual", residual.name)
         for i, constraint in enumerate(self.phase.path):
             self._everywhere(f"path{i}", constraint.function, constraint.bounds, "path", constraint.name)
         for state in self.phase.states:

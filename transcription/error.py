@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .trajectory import Trajectory
+from .implicit import consistent_inputs
+from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(3, 9)  # 8 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
@@ -42,8 +43,11 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     return ErrorProfile(sample.t, _epsilon(trajectory, sample), _eta(trajectory), trajectory.knots)
 
 
-def _epsilon(trajectory: Trajectory, sample) -> np.ndarray:
-    return sample.dx - trajectory.phase.dynamics(sample.t, sample.x, sample.u, trajectory.parameters)
+def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
+    """dx/dt - f(t, x, u, z): x and u are the interpolants, z solves the residuals for them."""
+    phase, p = trajectory.phase, trajectory.parameters
+    u = consistent_inputs(phase, sample.t, sample.x, sample.u, p)
+    return sample.dx - phase.dynamics(sample.t, sample.x, u, p)
 
 
 def _eta(trajectory: Trajectory) -> np.ndarray:

@@ -26,7 +26,7 @@ DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
 @dataclass(frozen=True)
 class Sample:
-    """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); u (n_u, ...)."""
+    """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); inputs u (n_u, ...)."""
 
     t: np.ndarray
     x: np.ndarray
@@ -39,7 +39,7 @@ class Sample:
 class Trajectory:
     """One phase of a solution.
 
-    t: (2,) initial and final time. x: (n_x, K) and u: (n_u, K) at the points of the mesh; u is NaN at a point
+    t: (2,) initial and final time. x: (n_x, K) and inputs u: (n_u, K) at the points of the mesh; u is NaN at a point
     that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, N, d + 1) on the
     state nodes of each segment (see `costate`), or None.
     """
@@ -117,11 +117,11 @@ class Trajectory:
         return self.evaluate(segment, (s - edges[segment]) / self.mesh.widths[segment])
 
     def sample(self, name: str, s: np.ndarray) -> np.ndarray:
-        """One state or control at normalised times s, shape (M,): a trajectory is a guess for the next mesh."""
+        """One state or input at normalised times s, shape (M,): a trajectory is a guess for the next mesh."""
         states = [state.name for state in self.phase.states]
-        controls = [control.name for control in self.phase.controls]
+        inputs = [variable.name for variable in self.phase.inputs]
         sample = self.at(s)
-        return sample.x[states.index(name)] if name in states else sample.u[controls.index(name)]
+        return sample.x[states.index(name)] if name in states else sample.u[inputs.index(name)]
 
     @cached_property
     def dense(self) -> Sample:
