@@ -1,14 +1,18 @@
-"""What every command shares: errors to sentences and exit codes, and the consoles."""
+"""What every command shares: errors to sentences and exit codes, and tables."""
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import wraps
 
 import typer
 
-from ..problems.errors import FileError, SpecError, TrajoptError
+from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
 
@@ -20,7 +24,7 @@ def exit_code(error: TrajoptError) -> int:
 def report(error: TrajoptError) -> None:
     """One sentence for each mistake, on standard error."""
     for mistake in error.mistakes:
-        print(f"error: {mistake}", file=sys.stderr)
+        print(f"error: {one_line(str(mistake))}", file=sys.stderr)
 
 
 def command(function: Callable) -> Callable:
@@ -29,18 +33,56 @@ def command(function: Callable) -> Callable:
     @wraps(function)
     def run(*args, **kwargs):
         try:
-            function(*args, **kwargs)
+            with _flushed_output():
+                function(*args, **kwargs)
         except TrajoptError as error:
             report(error)
             raise typer.Exit(exit_code(error)) from None
         except KeyboardInterrupt:
-            print("interrupted before there was anything to store", file=sys.stderr)
+            print("interrupted; nothing was written", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
-        except BrokenPipeError:  # the reader of our output has gone, as in `trajopt show x.h5 | head -1`
-            sys.stderr.close()
-            raise typer.Exit(0) from None
 
     return run
+
+
+@contextmanager
+def _flushed_output() -> Iterator[None]:
+    """Write standard output while errors can still be told. A reader that has gone, as in `| head -1`, is none."""
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        _discard_output()
+        raise typer.Exit(0) from None
+    except OSError as error:
+        _discard_output()
+        what = f"it cannot be written ({error.strerror})"
+        raise FileError(Mistake("standard output", what, "send it elsewhere")) from error
+
+
+def _discard_output() -> None:
+    """What is still in the buffer must not fail again when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextmanager
+def native_output(descriptor: int) -> Iterator[None]:
+    """What libraries in C (IPOPT) print on standard output goes to another descriptor: ours carries results only."""
+    import ctypes
+
+    flush = ctypes.CDLL(None).fflush
+    sys.stdout.flush()
+    flush(None)
+    saved = os.dup(1)
+    os.dup2(descriptor, 1)
+    try:
+        yield
+    finally:
+        flush(None)
+        os.dup2(saved, 1)
+        os.close(saved)
 
 
 def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
@@ -50,42 +92,67 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     """
     from ..problems.catalog import find
     from ..problems.load import load
-    from ..transcription.ipopt import check_options
     from ..transcription.schemes import TABLE
 
     specs, mistakes = [], []
     for name in files:
         try:
             spec = load(find(name), overrides, tuple(TABLE))
-            mistakes += spec.locate(check_options(spec.solver.options))
+            mistakes += spec.locate(_check_options(spec.solver.options))
             specs.append(spec)
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:
-        raise SpecError(mistakes)
+        raise SpecError(dict.fromkeys(mistakes))  # a wrong override is wrong for every file, and told once
     return specs
 
 
+def _check_options(options) -> list[Mistake]:
+    if not options:
+        return []
+    from ..transcription.ipopt import check_options
+
+    with open(os.devnull, "w") as nowhere, native_output(nowhere.fileno()):  # IPOPT complains too, less clearly
+        return check_options(options)
+
+
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A plain table on standard output; the columns named in `right` hold numbers.
+    """A plain table on standard output, one line for each row; the columns named in `right` hold numbers.
 
-    It is fitted to a terminal; where there is none, lines are as long as they are, for grep and awk.
+    Lines are cut to the width of a terminal; where there is none, they are as long as they are, for grep and awk.
     """
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
+    cells = [columns, *([one_line(cell) for cell in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    for number, row in enumerate(cells):
+        aligned = [
+            cell.rjust(width) if column in right else cell.ljust(width)
+            for column, cell, width in zip(columns, row, widths, strict=True)
+        ]
+        line = _cut("  ".join(aligned).rstrip())
+        typer.secho(line, bold=number == 0)
 
-    terminal = sys.stdout.isatty()
-    table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
-    for column in columns:
-        table.add_column(column, justify="right" if column in right else "left", no_wrap=not terminal)
-    for row in rows:
-        table.add_row(*map(Text, row))
-    console = Console(width=None if terminal else 10_000)
-    with console.capture() as lines:
-        console.print(table)
-    print("\n".join(line.rstrip() for line in lines.get().splitlines()))
+
+def print_field(name: str, text: str) -> None:
+    """One line "name  text"; longer than a terminal is wide, it goes on below the text."""
+    lines = [one_line(text)]
+    if sys.stdout.isatty():
+        lines = textwrap.wrap(lines[0], max(_width() - 12, 20), break_long_words=False, break_on_hyphens=False)
+    print(f"{name:<12}" + "\n            ".join(lines))
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks or characters that would steer a terminal."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
 
 def plural(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}{'es' if noun.endswith('sh') else 's'}"
+
+
+def _cut(line: str) -> str:
+    width = _width() if sys.stdout.isatty() else len(line)
+    return line if len(line) <= width else line[: width - 3] + "..."
+
+
+def _width() -> int:
+    return shutil.get_terminal_size().columns

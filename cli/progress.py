@@ -2,28 +2,52 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from .common import one_line
+
+SECONDS_BETWEEN = 0.1  # often enough to look alive, too seldom to cost anything
 
 
 @contextmanager
 def live_line(name: str, meshes: int, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
-    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown."""
-    if not (wanted and sys.stderr.isatty()):
+    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown.
+
+    The line is gone when the block ends.
+    """
+    if not (wanted and sys.stderr.isatty() and os.environ.get("TERM", "dumb") != "dumb"):
         yield None
         return
-    from rich.console import Console
+    line = _Line(one_line(name), meshes)
+    line.write(f"{line.name}: building")
+    try:
+        yield line.show
+    finally:
+        line.write("")
 
-    with Console(stderr=True).status(f"{name}: building") as status:
 
-        def show(mesh: int, record: dict) -> None:
-            status.update(
-                f"{name}: mesh {mesh + 1} of {meshes}, iteration {record['iteration']}, "
+class _Line:
+    """The last line of a terminal, written over and over."""
+
+    def __init__(self, name: str, meshes: int):
+        self.name, self.meshes, self.written = name, meshes, 0.0
+
+    def show(self, mesh: int, record: dict) -> None:
+        if time.monotonic() - self.written >= SECONDS_BETWEEN:
+            self.write(
+                f"{self.name}: mesh {mesh + 1} of {self.meshes}, iteration {record['iteration']}, "
                 f"J = {record['objective']:.8g}, infeasibility {record['primal_infeasibility']:.1e}"
             )
 
-        yield show
+    def write(self, text: str) -> None:
+        self.written = time.monotonic()
+        sys.stderr.write(f"\r{text[: shutil.get_terminal_size().columns - 1]}\x1b[K")
+        sys.stderr.flush()
 
 
 def print_iteration(mesh: int, record: dict) -> None:

@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import typer
 
-from .common import print_table
+from .common import one_line, print_field, print_table
 
 
 def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
     solved = summary["solved"]
-    title = f"{summary['problem']}: {'solved' if solved else 'NOT SOLVED'}"
+    title = f"{one_line(summary['problem'])}: {'solved' if solved else 'NOT SOLVED'}"
     typer.secho(title, bold=True, fg="green" if solved else "red")
     for name, text in _rows(summary):
-        print(f"{name:<12}{text}")
+        print_field(name, text)
 
 
-def _rows(summary: dict[str, Any]):
+def causes(summary: dict[str, Any]) -> list[str]:
+    """Why it failed, as far as is known: first what explains it, then the worst violations."""
+    return [*filter(None, [summary["trouble"]]), *summary["violations"][:3]]
+
+
+def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if not summary["solved"]:
         yield "status", summary["message"]
-        for violation in summary["violations"][:3]:
-            yield "cause", violation
-        if summary["trouble"]:
-            yield "cause", summary["trouble"]
+        yield from (("cause", cause) for cause in causes(summary))
         yield "remedy", summary["remedy"]
     yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"
     yield "error", _error(summary["error"])
@@ -32,8 +35,10 @@ def _rows(summary: dict[str, Any]):
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     count = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")
-    parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in summary["seconds"].items() if part != "total")
-    yield "seconds", f"{summary['seconds']['total']:.3f}  ({parts})"
+    seconds = dict(summary["seconds"])
+    total = seconds.pop("total")
+    parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())
+    yield "seconds", f"{total:.3f}  ({parts})"
     yield "file", summary["file"]
 
 
@@ -57,27 +62,38 @@ def _error(error: dict[str, Any]) -> str:
 
 def print_details(summary: dict[str, Any]) -> None:
     """The tables of `show`: every state, control and parameter, and every mesh."""
-    numbers = ("initial", "final", "min", "max")
     for name, phase in summary["phases"].items():
-        time = phase["time"]
-        print(f"\nphase {name}: t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}")
-        rows = [
-            (curve, value["unit"], *(_number(value[key]) for key in numbers), _eta(value.get("max_eta")))
-            for kind in ("states", "controls")
-            for curve, value in phase[kind].items()
-        ]
-        rows += [(parameter, "", _number(value), "", "", "", "") for parameter, value in phase["parameters"].items()]
-        print_table(("", "unit", *numbers, "max eta"), rows, right=(*numbers, "max eta"))
+        _print_phase(name, phase)
     print()
     columns = ("mesh", "method", "segments", "status", "objective", "max eta", "iterations", "seconds")
+    print_table(columns, [*map(_mesh_row, summary["meshes"])], right=[c for c in columns if c not in ("method", "status")])
+
+
+def _print_phase(name: str, phase: dict[str, Any]) -> None:
+    time, numbers = phase["time"], ("initial", "final", "min", "max")
+    print(f"\nphase {name}: t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}")
     rows = [
-        (
-            str(number), mesh["method"], str(mesh["segments"]), mesh["status"], _number(mesh["objective"], 10),
-            _eta(mesh["max_eta"]), str(mesh["iterations"]), f"{sum(mesh['seconds'].values()):.3f}",
-        )  # fmt: skip
-        for number, mesh in enumerate(summary["meshes"], start=1)
+        (curve, value["unit"], *(_number(value[key]) for key in numbers), _eta(value.get("max_eta")))
+        for kind in ("states", "controls", "algebraic")
+        for curve, value in phase[kind].items()
     ]
-    print_table(columns, rows, right=[column for column in columns if column not in ("method", "status")])
+    rows += [
+        (parameter, p["unit"], _number(p["value"]), "", "", "", "") for parameter, p in phase["parameters"].items()
+    ]
+    print_table(("", "unit", *numbers, "max eta"), rows, right=(*numbers, "max eta"))
+
+
+def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:
+    return (
+        str(mesh["mesh"]),
+        mesh["method"],
+        str(mesh["segments"]),
+        mesh["status"],
+        _number(mesh["objective"], 10),
+        _eta(mesh["max_eta"]),
+        str(mesh["iterations"]),
+        f"{sum(mesh['seconds'].values()):.3f}",
+    )
 
 
 def _eta(value: float | None) -> str:

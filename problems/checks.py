@@ -17,17 +17,12 @@ from .syntax import MAX_NAME, RESERVED, nearest
 from .tree import leaves
 from .yamltext import Path, brief
 
-MAX_FUNCTIONS = 1000
-MAX_NAMES = 5000
-
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
 
 
 def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
-    if too_many := _too_many(spec):
-        return too_many, []
     checker = _Checker(spec)
     checker.names()
     checker.values()
@@ -49,15 +44,6 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
         checker.objective()
         checker.unused()
     return checker.errors, checker.warnings
-
-
-def _too_many(spec: Spec) -> list[Finding]:
-    """A finding if the problem is so large that checking it would take long."""
-    for groups, limit in ((("states", "controls"), MAX_FUNCTIONS), (("parameters", "expressions", "optimize"), MAX_NAMES)):
-        if sum(len(getattr(spec, group)) for group in groups) > limit:
-            what = f"there are more than {limit} {', '.join(groups)}"
-            return [Finding((groups[0],), what, "make the problem smaller")]
-    return []
 
 
 class _Checker:
@@ -94,21 +80,20 @@ class _Checker:
     def values(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
         for path, expression, context in uses(self.spec):
-            if path[0] == "parameters" or not self.symbols.sound(path, expression):
+            if path[0] in ("parameters", "expressions") or not self.symbols.sound(path, expression):
                 continue
-            function = self.symbols.function(expression)
-            if fault := function.fault({}):
+            if fault := self.symbols.fault(expression):
                 self.errors.append(no_value(path, fault))
             elif context == CONSTANT:
-                self.numbers[path] = function.constant()
+                self.numbers[path] = self.symbols.number(expression, inf)
 
     def varying_at_ends(self) -> None:
         """A named expression that varies in time needs [initial] or [final] at the boundary; a constant one none."""
         for path, expression, context in uses(self.spec):
             for name in leaves(expression.root) if context == BOUNDARY else ():
-                if self.symbols.kinds.get(name.name) != "expression" or name.name not in self.symbols.definitions:
+                if name.name not in self.symbols.definitions:
                     continue
-                varies = self.symbols.varying(name.name)
+                varies = name.name in self.symbols.varying
                 if varies and not name.end:
                     what = f"{name.name} varies in time, but this expression is about the two ends"
                     self.error(path, what, f"write {name.name}[final] or {name.name}[initial]")

@@ -1,9 +1,9 @@
 """Expression strings as functions of named values: arithmetic, never code.
 
 An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.FUNCTIONS`, and at the
-boundary q[initial] and q[final]. Python's parser reads it, a whitelist of its syntax nodes turns it into the small
-tree below, and a walk over that tree evaluates it. A walk does the same operations in the same order at every call,
-so that every function is consistent in the sense of the paper, section 5.5.
+boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it. A walk
+does the same operations in the same order at every call, so that every function is consistent in the sense of the
+paper, section 5.5.
 """
 
 from __future__ import annotations
@@ -116,18 +116,19 @@ class Expression:
             return float(_Walk({}, np, np.float64).value(self))
 
 
-def cycles(graph: Mapping[str, set[str]], most: int = 20) -> list[list[str]]:
-    """Cyclic references, each as [a, b, a], at most so many; no name stands in two of them."""
-    graph, found = dict(graph), []
-    while len(found) < most:
+def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], list[list[str]]]:
+    """The names of a graph, each after those it refers to, and the circles found in it, each as [a, b, a].
+
+    Names in a circle are left out of the order. After `most` circles the search ends, and the order is empty.
+    """
+    graph, circles = dict(graph), []
+    while len(circles) < most:
         try:
-            TopologicalSorter(graph).prepare()
+            return [name for name in TopologicalSorter(graph).static_order() if name in graph], circles
         except CycleError as error:
-            found.append(error.args[1][::-1])
-            graph = {name: needs.difference(found[-1]) for name, needs in graph.items() if name not in found[-1]}
-        else:
-            break
-    return found
+            circles.append(error.args[1][::-1])
+            graph = {name: needs.difference(circles[-1]) for name, needs in graph.items() if name not in circles[-1]}
+    return [], circles
 
 
 def power(base: Any, exponent: Any) -> Any:

@@ -22,7 +22,8 @@ def initial_guess(
     """The guess that the file asks for; times: ranges of the initial and the final time."""
     keyframes = {name: np.array([symbols.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
     s = keyframe_positions(keyframes)
-    values = {state.name: np.interp(s, [0.0, 1.0], ends(state)) for state in states}
+    asked = {name: (symbols.range(state.initial), symbols.range(state.final)) for name, state in spec.states.items()}
+    values = {state.name: np.interp(s, [0.0, 1.0], ends(state, *asked[state.name])) for state in states}
     values |= {control.name: np.full(len(s), control.bounds.clip(0.0)) for control in controls}
     values |= {name: np.full(len(s), symbols.number(v, 0.0)) for name, v in spec.guess.constants.items()}
     values |= {name: row for name, row in keyframes.items() if name != "time"}
@@ -46,12 +47,16 @@ def keyframe_positions(keyframes: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.linspace(0.0, 1.0, len(next(iter(keyframes.values()), (0, 1))))
 
 
-def ends(state: State) -> tuple[float, float]:
-    """Initial and final value of the straight line: an end that is free takes the value of the other."""
-    known = [middle(r, inf) if isfinite(r.lower) and isfinite(r.upper) else None for r in (state.initial, state.final)]
-    initial, final = known
-    initial, final = (final if initial is None else initial), (initial if final is None else final)
-    return (0.0 if initial is None else initial, 0.0 if final is None else final)
+def ends(state: State, initial: Range, final: Range) -> tuple[float, float]:
+    """Initial and final value of the straight line; initial, final: what the file asks for, without the bounds.
+
+    An end takes its value, or the middle of its range; one that is free takes the value of the other, else 0. All are
+    clipped into the bounds.
+    """
+    known = [middle(r, inf) if isfinite(r.lower) and isfinite(r.upper) else None for r in (initial, final)]
+    first = next((value for value in known if value is not None), 0.0)
+    last = next((value for value in reversed(known) if value is not None), 0.0)
+    return state.initial.clip(first), state.final.clip(last)
 
 
 def middle(bounds: Range, guess: float) -> float:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from .errors import Mistake
 from .yamltext import Path, show
 
-
 MAX_FINDINGS = 100
 
 

@@ -59,11 +59,16 @@ class Variable:
 
 @dataclass(frozen=True)
 class State(Variable):
-    """A differential state: its rate f_i(t, x, u, p) and its ranges at both ends (inside `bounds`)."""
+    """A differential state: its rate f_i(t, x, u, p) and its ranges at both ends (inside `bounds`).
+
+    velocity_of: the state whose rate this one is, if the problem states second-order dynamics; its own rate is then
+    the acceleration.
+    """
 
     rate: Function = None
     initial: Range = Range()
     final: Range = Range()
+    velocity_of: str = ""
 
 
 @dataclass(frozen=True)

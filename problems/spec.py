@@ -18,6 +18,7 @@ from .syntax import nearest
 from .yamltext import brief, kind
 
 MAX_MESHES = 100
+MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
 
 _LOWER = "lower bound; default none"
@@ -148,9 +149,11 @@ class Constraint(Entry):
 class Constraints(Entry):
     """Conditions besides the dynamics and the bounds."""
 
-    path: list[Constraint] = Field([], description="conditions that hold at every time")
-    boundary: list[Constraint] = Field([], description="conditions on the values at both ends")
-    integral: list[Constraint] = Field([], description="conditions on the integral over time of an expression")
+    path: list[Constraint] = Field([], max_length=MAX_NAMES, description="conditions that hold at every time")
+    boundary: list[Constraint] = Field([], max_length=MAX_NAMES, description="conditions on the values at both ends")
+    integral: list[Constraint] = Field(
+        [], max_length=MAX_NAMES, description="conditions on the integral over time of an expression"
+    )
 
 
 class Guess(Entry):
@@ -233,12 +236,20 @@ class Spec(Entry):
     name: Text = Field("", description="name of the problem; default the name of the file")
     source: Text = Field("", description="where the problem is stated")
     note: Text = Field("", description=_NOTE)
-    parameters: dict[str, Parameter] = Field({}, description="name -> number, expression, or {value, unit, note}")
-    expressions: dict[str, Formula] = Field({}, description="name -> expression that others may use by that name")
+    parameters: dict[str, Parameter] = Field(
+        {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
+    )
+    expressions: dict[str, Formula] = Field(
+        {}, max_length=MAX_NAMES, description="name -> expression that others may use by that name"
+    )
     time: Time = Field(description="{initial, final, unit}")
-    states: dict[str, State] = Field(min_length=1, description="name -> {unit, rate, lower, upper, initial, final}")
-    controls: dict[str, Control] = Field({}, description="name -> {unit, lower, upper}")
-    optimize: dict[str, Static] = Field({}, description="static parameters to find: name -> {lower, upper, guess}")
+    states: dict[str, State] = Field(
+        min_length=1, max_length=MAX_NAMES, description="name -> {unit, rate, lower, upper, initial, final, note}"
+    )
+    controls: dict[str, Control] = Field({}, max_length=MAX_NAMES, description="name -> {unit, lower, upper, note}")
+    optimize: dict[str, Static] = Field(
+        {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
+    )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
     constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
     guess: Guess = Field(Guess(), description="initial trajectory: linear (default), constants or keyframes")

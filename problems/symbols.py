@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from graphlib import TopologicalSorter
 from typing import NamedTuple
 
 import numpy as np
 
-from .expressions import Expression, Fault, cycles
+from .expressions import Expression, Fault, untangle
 from .places import Finding
 from .problem import Range
 from .spec import Constraint, Spec
@@ -16,7 +15,10 @@ from .syntax import nearest, shorten
 from .tree import Name, count, leaves
 from .yamltext import Path
 
-MAX_SUGGESTIONS = 20  # looking for a similar name among thousands takes time
+# Looking for a similar name among thousands takes time.
+MAX_SUGGESTIONS = 20
+MAX_KNOWN = 500
+
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see repair.py.
@@ -82,8 +84,9 @@ class Symbols:
     """Names and values of a spec.
 
     kinds: name -> "parameter", "expression", "state", "control", "static parameter" or "time". numbers: the values
-    of the parameters that have one. definitions: the expressions that others may refer to. findings: mistakes met
-    on the way; without them, `numbers` and `definitions` are complete.
+    of the parameters. definitions: the expressions that others may refer to; `varying` are those that vary in time,
+    `fixed` holds the numbers and the values of the expressions of parameters alone. findings: mistakes met on the
+    way; without them, all of these are complete.
     """
 
     def __init__(self, spec: Spec):
@@ -100,7 +103,9 @@ class Symbols:
         self.static = frozenset(spec.optimize)
         self.findings: list[Finding] = []
         self.numbers: dict[str, float] = {}
+        self.fixed: dict[str, float] = {}
         self.definitions: dict[str, Expression] = {}
+        self.varying: set[str] = set()
         self._wrong: set[Path] = set()
         self._unknown_names = 0
         for use in uses(spec):
@@ -133,12 +138,12 @@ class Symbols:
         lower, upper = (value, value) if value else (entry.lower, entry.upper)
         return Range(self.number(lower, -np.inf), self.number(upper, np.inf))
 
-    def varying(self, name: str) -> bool:
-        """Whether a name has a value at every time rather than one value."""
-        if self.kinds.get(name) == "expression" and name in self.definitions:
-            names = self.function(self.definitions[name]).names
-            return any(self.kinds[n] in ("time", "state", "control") for n in names)
-        return self.kinds.get(name) in ("time", "state", "control")
+    def fault(self, expression: Expression) -> Fault | None:
+        """What no variable can mend: a part of the expression that is constant and has no finite value."""
+        return expression.bind(self._fixed_in(expression), {}).fault({})
+
+    def _fixed_in(self, expression: Expression) -> dict[str, float]:
+        return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
 
     def _check_names(self, use: Use) -> None:
         seen = set()
@@ -181,6 +186,7 @@ class Symbols:
             return what, "declare it"
         self._unknown_names += 1
         known = [n for n, kind in self.kinds.items() if kind == "parameter" or (context != CONSTANT and n != "?")]
+        known = known[:MAX_KNOWN]
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
         return what, f"declare it, for example under parameters: as {name}: 1.0"
@@ -188,36 +194,45 @@ class Symbols:
     def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
         """The names of a group, each after those that its expression refers to; those in a circle are left out."""
         graph = {name: {n.name for n in leaves(e.root)} & expressions.keys() for name, e in expressions.items()}
-        for cycle in cycles(graph):
-            what = f"{' -> '.join(cycle[:10])} is a circle: each is defined by the next"
-            self.findings.append(Finding((group, cycle[0]), what, f"give {cycle[0]} without the others"))
-            self._wrong.update((group, name) for name in cycle)
-        sound = {name: {n for n in needs if n in graph} for name, needs in graph.items() if (group, name) not in self._wrong}
-        return [name for name in TopologicalSorter(sound).static_order() if name in sound]
+        order, circles = untangle(graph)
+        for circle in circles:
+            what = f"{' -> '.join(circle[:10])} is a circle: each is defined by the next"
+            self.findings.append(Finding((group, circle[0]), what, f"give {circle[0]} without the others"))
+            self._wrong.update((group, name) for name in circle)
+        return order
 
     def _evaluate_parameters(self, values: dict[str, Expression]) -> None:
         for name in self._ordered("parameters", values):
             if not self.sound(("parameters", name), values[name]):
                 continue
-            needed = {n.name: self.numbers[n.name] for n in leaves(values[name].root)}
-            bound = values[name].bind(needed, {})
-            if fault := bound.fault({}):
+            if fault := self.fault(values[name]):
                 self.findings.append(no_value(("parameters", name), fault))
             else:
-                self.numbers[name] = bound.constant()
+                self.numbers[name] = self.fixed[name] = self._constant(values[name])
+
+    def _constant(self, expression: Expression) -> float:
+        return expression.bind(self._fixed_in(expression), {}).constant()
 
     def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
         sizes: dict[str, int] = {}
         for name in self._ordered("expressions", expressions):
-            if not self.sound(("expressions", name), expressions[name]):
+            expression = expressions[name]
+            if not self.sound(("expressions", name), expression):
                 continue
-            inner = [n.name for n in leaves(expressions[name].root) if n.name in sizes]
-            sizes[name] = count(expressions[name].root) + sum(sizes[n] for n in inner)
+            inner = {n.name for n in leaves(expression.root)}
+            sizes[name] = count(expression.root) + sum(sizes.get(n.name, 0) for n in leaves(expression.root))
             if sizes[name] > MAX_SIZE:
                 what = f"written out, this expression has more than {MAX_SIZE} terms"
                 self.findings.append(Finding(("expressions", name), what, "refer to fewer expressions in it"))
                 return
-            self.definitions[name] = expressions[name]
+            if fault := self.fault(expression):
+                self.findings.append(no_value(("expressions", name), fault))
+                continue
+            self.definitions[name] = expression
+            if any(n in self.varying or self.kinds[n] in ("time", "state", "control") for n in inner):
+                self.varying.add(name)
+            elif inner <= self.fixed.keys():
+                self.fixed[name] = self._constant(expression)
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

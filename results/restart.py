@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
@@ -24,21 +25,21 @@ def guess_from(path: Path, problem: Problem) -> list[Guess]:
 
 def _guess(path: Path, file: h5py.File, phase: Phase) -> Guess:
     group = file.get(f"phase/{phase.name}", {})
-    if not any(state.name in group.get("state", {}) for state in phase.states):
+    if not any(state.name in group.get("dense/state", {}) for state in phase.states):
         names = ", ".join(state.name for state in phase.states)
         raise FileError(Mistake(str(path), f"it has none of the states {names}", "give a result of a similar problem"))
     dense, own = group["dense"], phase.guess
     time = dense["time"][:]
     s = (time - time[0]) / (time[-1] - time[0])
-    known = {**_curves(dense["state"]), **_curves(dense["control"])}
+    known = {name: values for kind in ("state", "control", "algebraic") for name, values in _curves(dense[kind])}
     return Guess(
         initial_time=phase.initial_time.clip(float(time[0])),
         final_time=phase.final_time.clip(float(time[-1])),
         s=s,
         values={name: known.get(name, own.sample(name, s)) for name in own.values},
-        parameters={**own.parameters, **{k: float(v[()]) for k, v in group.get("parameter", {}).items()}},
+        parameters={**own.parameters, **{name: float(value[()]) for name, value in group["parameter"].items()}},
     )
 
 
-def _curves(group: h5py.Group) -> dict[str, np.ndarray]:
-    return {name: np.nan_to_num(values[:]) for name, values in group.items()}
+def _curves(group: h5py.Group) -> Iterator[tuple[str, np.ndarray]]:
+    return ((name, np.nan_to_num(values[:])) for name, values in group.items())

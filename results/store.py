@@ -3,19 +3,23 @@
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
                                objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON
-    /phase/<name>/             time (point), knots (knot)
-        state/<name>           (point)         control/<name>    (point)
-        costate/<name>         (point)         parameter/<name>  scalar, optimised static parameters
-        dense/                 time, state/, control/, costate/: the same on a fine grid, by the scheme's interpolant
-        error/                 epsilon/<state> (dense time), eta (segment, state)
+    /phase/<name>/             knots (knot), the times of the segments' edges
+        points/                time, at the points of the mesh, and over it
+            state/<name>, costate/<name>, control/<name>, algebraic/<name>
+        dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
+            epsilon/<state>    dx/dt - f
+        error/                 eta (segment, state), with the numbers of the segments and the names of the states
+        parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; attributes: method, segments, tolerance, status, objective, max_eta, iterations,
                                unknowns, constraints, seconds_<part>
     /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: every option, seconds_<part> over all meshes, violations
 
 Arrays carry `units` and `long_name`, and their dimensions are HDF5 dimension scales, so that
-`xarray.open_datatree(file)` shows times as coordinates. The file is written under another name in the same folder,
-flushed to disk, and renamed: there is never half a result under the final name, and an older one stays whole until then.
+`xarray.open_datatree(file)` shows times as coordinates. (xarray wants a dimension to have one size in a group and all
+groups below it; hence points/ and dense/ stand side by side.) What is listed keeps the order of the problem file. The
+file is written under another name in the same folder, flushed to disk, and renamed: there is never half a result under
+the final name, and an older one stays whole until then.
 """
 
 from __future__ import annotations
@@ -25,14 +29,19 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from ..problems.errors import FileError, Mistake
 from ..problems.files import check_writable, replacing
-from ..transcription.solve import MeshRecord, Solution
-from ..transcription.trajectory import Trajectory
+
+if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
+    from ..problems.problem import Phase, Problem, Variable
+    from ..transcription.error import ErrorProfile
+    from ..transcription.solve import MeshRecord, Solution
+    from ..transcription.trajectory import Trajectory
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 
@@ -63,10 +72,11 @@ def open_result(path: Path) -> Iterator[h5py.File]:
     try:
         file = h5py.File(path, "r")
     except OSError as error:
-        reason = "it cannot be read as HDF5" if path.is_file() else "there is no such file"
+        missing = "there is no such file" if not path.exists() else "it is a folder"
+        reason = "it cannot be read as HDF5" if path.is_file() else missing
         raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
     with file:
-        if file.attrs.get("format") != FORMAT:
+        if str(file.attrs.get("format")) != FORMAT:
             raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
         if file.attrs["format_version"] > FORMAT_VERSION:
             what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
@@ -76,14 +86,19 @@ def open_result(path: Path) -> Iterator[h5py.File]:
 
 def write(path: Path, solution: Solution, spec_text: str, spec_full: str, command: str) -> None:
     """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError."""
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
+    with replacing(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
         _write_head(file, solution, command)
-        file["spec/text"], file["spec/full"] = spec_text, spec_full
+        spec = _group(file, "spec")
+        spec["text"], spec["full"] = spec_text, spec_full
+        phases = _group(file, "phase")
         for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
-            _write_phase(file.create_group(f"phase/{trajectory.phase.name}"), trajectory, error)
+            group = _group(phases, trajectory.phase.name)
+            _write_phase(group, trajectory, error)
+            _write_parameters(_group(group, "parameter"), solution.problem, trajectory.parameters)
+        meshes = _group(file, "mesh")
         for number, record in enumerate(solution.meshes):
-            _write_mesh(file.create_group(f"mesh/{number}"), record)
-        _write_solver(file.create_group("solver"), solution)
+            _write_mesh(_group(meshes, str(number)), record)
+        _write_solver(_group(file, "solver"), solution)
 
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
@@ -100,44 +115,54 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
         "objective": solution.objective,
         "sense": "minimize" if solution.problem.sense > 0 else "maximize",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": command,
+        "command": command.encode(errors="backslashreplace").decode(),  # names of files may hold bytes that are no text
         "trajopt_version": version("trajopt"),
         "pyomo_version": version("pyomo"),
         "ipopt_version": solution.outcome.solver["ipopt"],
-    })  # fmt: skip
+    })
 
 
-def _write_phase(group: h5py.Group, trajectory: Trajectory, error) -> None:
+def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
     phase, sample = trajectory.phase, trajectory.dense
-    time = _scale(group, "time", trajectory.times, phase.time_unit, "time of the points of the mesh")
-    _scale(group, "knots", trajectory.knots, phase.time_unit, "time of the segments' edges")
-    _write_curves(group, trajectory, time, trajectory.x, trajectory.u, trajectory.point_costate)
-    for name, value in trajectory.parameters.items():
-        group[f"parameter/{name}"] = value
-    dense = group.create_group("dense")
-    dense_time = _scale(dense, "time", sample.t, phase.time_unit, "time")
-    _write_curves(dense, trajectory, dense_time, sample.x, sample.u, sample.costate)
-    errors = group.create_group("error")
+    _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
+    points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
+    _write_curves(points, phase, trajectory.times, trajectory.x, trajectory.u, trajectory.point_costate)
+    time = _write_curves(dense, phase, sample.t, sample.x, sample.u, sample.costate)
+    profiles = _group(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
-        unit = _per(state.unit, phase.time_unit)
-        _array(errors, f"epsilon/{state.name}", epsilon, [dense_time], unit, "dx/dt - f between collocation points")
-    names = _scale(errors, "state", [state.name for state in phase.states], "", "state")
-    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "", "segment")
-    _array(errors, "eta", error.eta.T, [segment, names], "", "integral of |epsilon| over a segment, in the state's unit")
+        unit = f"{state.unit or '1'}/{phase.time_unit}"
+        _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit)
+    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "number of the segment, from 0")
+    names = _scale(errors, "state", [state.name for state in phase.states], "state")
+    _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
 
 
-def _write_curves(group: h5py.Group, trajectory: Trajectory, time, x, u, costate) -> None:
-    for kind in ("state", "costate", "control"):
-        group.create_group(kind, track_order=True)  # listed in the problem file's order
-    for state, values, dual in zip(trajectory.phase.states, x, costate, strict=True):
-        _array(group, f"state/{state.name}", values, [time], state.unit, f"state {state.name}")
-        _array(group, f"costate/{state.name}", dual, [time], "", f"costate of {state.name}, objective per unit of it")
-    for control, values in zip(trajectory.phase.controls, u, strict=True):
-        _array(group, f"control/{control.name}", values, [time], control.unit, f"control {control.name}")
+def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
+    for parameter in problem.parameters:
+        _array(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", parameter.unit)
+
+
+def _write_curves(group: h5py.Group, phase: Phase, t, x, u, costate) -> h5py.Dataset:
+    """The scale of times t, shape (K,), and all curves over it: x and costate (n_x, K), u (n_u, K)."""
+    time = _scale(group, "time", t, "time", phase.time_unit)
+    n = len(phase.controls)
+    _write_kind(group, "state", phase.states, x, time)
+    _write_kind(group, "control", phase.controls, u[:n], time)
+    _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
+    duals = _group(group, "costate")
+    for state, values in zip(phase.states, costate, strict=True):
+        _array(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
+    return time
+
+
+def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
+    curves = _group(group, kind)
+    for variable, values in zip(variables, rows, strict=True):
+        _array(curves, variable.name, values, [time], f"{kind} {variable.name}", variable.unit)
 
 
 def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
-    _scale(group, "edges", record.mesh.edges, "1", "segment edges as fractions of the phase's duration")
+    _scale(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
     group.attrs.update({
         "method": record.step.method,
         "segments": record.mesh.segments,
@@ -149,19 +174,21 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
         "unknowns": record.unknowns,
         "constraints": record.constraints,
         **_seconds(record.seconds),
-    })  # fmt: skip
+    })
 
 
 def _write_solver(group: h5py.Group, solution: Solution) -> None:
     outcome = solution.outcome
-    iteration = _scale(group, "iteration", np.arange(len(outcome.iterations["iteration"])), "", "iteration")
+    records = _group(group, "iterations")
+    iteration = _scale(records, "number", np.arange(len(outcome.iterations["iteration"])), "number of the record")
     for name, values in outcome.iterations.items():
-        _array(group, f"iterations/{name}", values, [iteration], "", name.replace("_", " "))
-    unknown = _scale(group, "unknown", np.arange(len(outcome.z)), "", "unknown of the nonlinear program")
-    constraint = _scale(group, "constraint", np.arange(len(outcome.y)), "", "constraint of the nonlinear program")
-    for name, values in (("z", outcome.z), ("z_lower", outcome.z_lower), ("z_upper", outcome.z_upper)):
-        _array(group, name, values, [unknown], "", "unknowns" if name == "z" else "multipliers of the bounds")
-    _array(group, "y", outcome.y, [constraint], "", "multipliers of the constraints")
+        _array(records, name, values, [iteration], name.replace("_", " "))
+    unknown = _scale(group, "unknown", np.arange(len(outcome.z)), "unknown of the nonlinear program")
+    constraint = _scale(group, "constraint", np.arange(len(outcome.y)), "constraint of the nonlinear program")
+    _array(group, "z", outcome.z, [unknown], "unknowns")
+    _array(group, "z_lower", outcome.z_lower, [unknown], "multipliers of the lower bounds")
+    _array(group, "z_upper", outcome.z_upper, [unknown], "multipliers of the upper bounds")
+    _array(group, "y", outcome.y, [constraint], "multipliers of the constraints")
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
     group.attrs.update({**outcome.solver, **_seconds(parts)})
     group.attrs["violations"] = [str(violation) for violation in solution.violations]
@@ -171,17 +198,19 @@ def _seconds(parts: Mapping[str, float]) -> dict[str, float]:
     return {f"seconds_{part.replace(' ', '_')}": value for part, value in parts.items()}
 
 
-def _per(unit: str, time_unit: str) -> str:
-    return f"{unit or '1'}/{time_unit}"
+def _group(parent: h5py.Group, name: str) -> h5py.Group:
+    """A new group that lists its members and attributes in the order of their making."""
+    return parent.create_group(name, track_order=True)
 
 
-def _scale(group: h5py.Group, name: str, values, unit: str, long_name: str) -> h5py.Dataset:
-    dataset = _array(group, name, values, [], unit, long_name)
+def _scale(group: h5py.Group, name: str, values, long_name: str, unit: str = "") -> h5py.Dataset:
+    dataset = _array(group, name, values, [], long_name, unit)
     dataset.make_scale(name)
     return dataset
 
 
-def _array(group: h5py.Group, name: str, values, scales: Sequence[h5py.Dataset], unit: str, long_name: str) -> h5py.Dataset:
+def _array(group: h5py.Group, name: str, values, scales, long_name: str, unit: str = "") -> h5py.Dataset:
+    """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
     dataset = group.create_dataset(name, data=values)
     dataset.attrs["long_name"] = long_name
     if unit:

@@ -76,13 +76,14 @@ def _error(file: h5py.File) -> dict[str, Any]:
 
 
 def _phase(group: h5py.Group) -> dict[str, Any]:
-    time = group["time"]
+    points, time = group["points"], group["points/time"]
     eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
     return {
-        "time": {"initial": time[0], "final": time[-1], "unit": time.attrs.get("units", "")},
-        "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in group["state"].items()},
-        "controls": {name: _curve(values) for name, values in group.get("control", {}).items()},
-        "parameters": {name: value[()] for name, value in group.get("parameter", {}).items()},
+        "time": {"initial": time[0], "final": time[-1], "unit": _unit(time)},
+        "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
+        "controls": {name: _curve(values) for name, values in points["control"].items()},
+        "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
+        "parameters": {name: {"value": value[()], "unit": _unit(value)} for name, value in group["parameter"].items()},
     }
 
 
@@ -91,10 +92,14 @@ def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
     return {
         "initial": values[0],
         "final": values[-1],
-        "min": np.nanmin(values),
-        "max": np.nanmax(values),
-        "unit": dataset.attrs.get("units", ""),
+        "min": np.fmin.reduce(values),
+        "max": np.fmax.reduce(values),
+        "unit": _unit(dataset),
     }
+
+
+def _unit(dataset: h5py.Dataset) -> str:
+    return dataset.attrs.get("units", "")
 
 
 def _plain(value: Any) -> Any:

@@ -7,10 +7,10 @@ import pytest
 from exact import GROWTH_OBJECTIVE, growth, growth_control, growth_costate, growth_state
 
 from trajopt.transcription.outcome import Status
-from trajopt.transcription.schemes import TABLE
+from trajopt.transcription.schemes import COLLOCATION
 from trajopt.transcription.solve import Step, solve
 
-METHODS = pytest.mark.parametrize("method", TABLE)
+METHODS = pytest.mark.parametrize("method", COLLOCATION)
 SEGMENTS = (5, 10, 20, 40)
 
 
@@ -29,7 +29,7 @@ def order(errors) -> float:
 @METHODS
 def test_order_of_the_objective(method):
     errors = [abs(solved(method, n).objective - GROWTH_OBJECTIVE) for n in SEGMENTS]
-    assert order(errors) == pytest.approx(TABLE[method].order, abs=0.15)
+    assert order(errors) == pytest.approx(COLLOCATION[method].order, abs=0.15)
 
 
 @METHODS
@@ -41,8 +41,8 @@ def test_order_of_the_state_and_costate_at_the_knots(method):
         state.append(np.abs(trajectory.x[0, :: trajectory.mesh.degree] - growth_state(knots)).max())
         at_knots = trajectory.point_costate[0, :: trajectory.mesh.degree]
         costate.append(np.abs(at_knots - growth_costate(knots)).max())
-    assert order(state) == pytest.approx(TABLE[method].order, abs=0.2)
-    assert order(costate) == pytest.approx(TABLE[method].order, abs=0.2)
+    assert order(state) == pytest.approx(COLLOCATION[method].order, abs=0.2)
+    assert order(costate) == pytest.approx(COLLOCATION[method].order, abs=0.2)
 
 
 @METHODS
@@ -62,9 +62,9 @@ def test_interpolants_pass_through_the_points_and_converge_between_them(method):
         (trajectory,) = solved(method, n).trajectories
         dense = trajectory.dense
         errors.append(np.abs(dense.x[0] - growth_state(dense.t)).max())
-        assert np.abs(dense.u[0] - growth_control(dense.t)).max() < 3 / n**TABLE[method].order ** 0.5
+        assert np.abs(dense.u[0] - growth_control(dense.t)).max() < 3 / n**COLLOCATION[method].order ** 0.5
     # At the midpoint of a Hermite-Simpson segment the control, and with it the state inside, is less accurate.
-    assert order(errors) > min(TABLE[method].order, 3) - 0.1
+    assert order(errors) > min(COLLOCATION[method].order, 3) - 0.1
 
 
 @METHODS

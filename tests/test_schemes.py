@@ -5,9 +5,9 @@ import pytest
 
 from trajopt.problems.errors import SpecError
 from trajopt.transcription.polynomials import integrated_basis, lagrange_basis
-from trajopt.transcription.schemes import HERMITE_SIMPSON, TABLE, TRAPEZOID, Scheme, find
+from trajopt.transcription.schemes import COLLOCATION, FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, Scheme, find
 
-SCHEMES = pytest.mark.parametrize("scheme", TABLE.values(), ids=TABLE)
+SCHEMES = pytest.mark.parametrize("scheme", COLLOCATION.values(), ids=COLLOCATION)
 TAU = np.linspace(0, 1, 11)
 
 
@@ -35,16 +35,29 @@ def test_state_interpolant_has_the_collocated_slopes(scheme):
     rng = np.random.default_rng(1)
     f = rng.normal(size=len(scheme.c))
     step = 1e-6
-    slope = (scheme.state_basis(scheme.c + step) - scheme.state_basis(scheme.c - step)) @ f / (2 * step)
+    slope = (scheme.interpolant(scheme.c + step).F - scheme.interpolant(scheme.c - step).F) @ f / (2 * step)
     assert slope == pytest.approx(f, abs=1e-8)
+    assert scheme.interpolant(scheme.c).dF @ f == pytest.approx(f, abs=1e-14)
+
+
+def test_the_interpolant_of_differences_has_the_values_and_slopes_of_both_ends():
+    x, f = np.array([0.3, -1.2]), np.array([2.0, 0.7])
+    at_ends = FINITE_DIFFERENCE.interpolant(np.array([0.0, 1.0]))
+    assert at_ends.X @ x + at_ends.F @ f == pytest.approx(x, abs=1e-15)
+    assert at_ends.dX @ x + at_ends.dF @ f == pytest.approx(f, abs=1e-15)
+    cubic = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0])
+    slope, inside = cubic.deriv(), FINITE_DIFFERENCE.interpolant(TAU)
+    ends = np.array([0.0, 1.0])
+    assert inside.X @ cubic(ends) + inside.F @ slope(ends) == pytest.approx(cubic(TAU), abs=1e-14)
+    assert inside.dX @ cubic(ends) + inside.dF @ slope(ends) == pytest.approx(slope(TAU), abs=1e-14)
 
 
 def test_trapezoid_interpolants_are_those_of_the_paper():
     h, f0, f1, x0 = 0.3, 1.7, -0.4, 0.2
     tau = TAU * h
     expected = x0 + f0 * tau + tau**2 / (2 * h) * (f1 - f0)  # (3.10)
-    assert x0 + h * TRAPEZOID.state_basis(TAU) @ [f0, f1] == pytest.approx(expected, abs=1e-15)
-    assert TRAPEZOID.control_basis(TAU) @ [f0, f1] == pytest.approx(f0 + tau / h * (f1 - f0), abs=1e-15)  # (3.6)
+    assert x0 + h * TRAPEZOID.interpolant(TAU).F @ [f0, f1] == pytest.approx(expected, abs=1e-15)
+    assert TRAPEZOID.interpolant(TAU).U @ [f0, f1] == pytest.approx(f0 + tau / h * (f1 - f0), abs=1e-15)  # (3.6)
 
 
 def test_hermite_simpson_interpolants_are_those_of_the_paper_with_its_correction():
@@ -53,10 +66,10 @@ def test_hermite_simpson_interpolants_are_those_of_the_paper_with_its_correction
     # (4.13), corrected: h is constant and leaves the integral.
     state = x0 + f0 * tau + (-3 * f0 + 4 * fm - f1) * tau**2 / (2 * h)
     state += (2 * f0 - 4 * fm + 2 * f1) * tau**3 / (3 * h**2)
-    assert x0 + h * HERMITE_SIMPSON.state_basis(TAU) @ [f0, fm, f1] == pytest.approx(state, abs=1e-15)
+    assert x0 + h * HERMITE_SIMPSON.interpolant(TAU).F @ [f0, fm, f1] == pytest.approx(state, abs=1e-15)
     control = 2 / h**2 * (tau - h / 2) * (tau - h) * f0 - 4 / h**2 * tau * (tau - h) * fm
     control += 2 / h**2 * tau * (tau - h / 2) * f1  # (4.10)
-    assert HERMITE_SIMPSON.control_basis(TAU) @ [f0, fm, f1] == pytest.approx(control, abs=1e-14)
+    assert HERMITE_SIMPSON.interpolant(TAU).U @ [f0, fm, f1] == pytest.approx(control, abs=1e-14)
 
 
 def test_hermite_simpson_defects_are_those_of_the_paper():

@@ -27,7 +27,7 @@ from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types
 from pyomo.core.expr.template_expr import TemplateSumExpression
 
-from .family import Entries, Family
+from .family import Entries, Family, NotFinite
 from .machine_code import available_backend, compile_family, timing
 from .symbolic import Arguments, Slots
 from .templates import TemplateError, linear_parts, template_of

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .collocation import Layout, Transcription
+from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
 from .mesh import Mesh
 from .outcome import Outcome

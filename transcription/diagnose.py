@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .collocation import Family, Transcription
+from .builder import Family
+from .transcribe import Transcription
 from .compiler import CompiledNLP
 from .trajectory import Trajectory, trajectories
 

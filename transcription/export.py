@@ -12,7 +12,7 @@ from pathlib import Path
 from ..problems.errors import Mistake, SpecError
 from ..problems.files import check_writable, replacing
 from ..problems.problem import Problem
-from .collocation import transcribe
+from .transcribe import transcribe
 from .mesh import Mesh
 
 FORMATS = (".nl", ".gms", ".tex")

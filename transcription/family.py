@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .machine_code import Code
+from .machine_code import Code, compile_family
 from .symbolic import Arguments
 
 

@@ -12,18 +12,33 @@ and everything else follows from the same nodes:
     x(tau)   = x_0 + h sum_j f_j (integral of l_j over [0, tau])         state interpolant
 
 where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was solved.
+Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
 from .polynomials import integrated_basis, lagrange_basis
+
+
+class Interpolant(NamedTuple):
+    """x(tau) = X x_i + h F f_j, dx/dt = dX x_i / h + dF f_j, u(tau) = U u_j at m values of tau.
+
+    X, dX: (m, d + 1) on the state nodes; F, dF, U: (m, n) on the collocation nodes.
+    """
+
+    X: np.ndarray
+    F: np.ndarray
+    dX: np.ndarray
+    dF: np.ndarray
+    U: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +107,39 @@ class Scheme:
         combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
         return combination / float(self.L[row, node])
 
-    def control_basis(self, tau: np.ndarray) -> np.ndarray:
-        """l_j(tau), shape (m, n)."""
-        return lagrange_basis(self.c, tau)
+    def interpolant(self, tau: np.ndarray) -> Interpolant:
+        """The polynomial with the collocated slopes, at tau, shape (m,)."""
+        basis = lagrange_basis(self.c, tau)
+        X = np.zeros((len(tau), len(self.sigma)))
+        X[:, 0] = 1
+        return Interpolant(X, integrated_basis(self.c, tau), np.zeros_like(X), basis, basis)
 
-    def state_basis(self, tau: np.ndarray) -> np.ndarray:
-        """Integrals of l_j from 0 to tau, shape (m, n): x(tau) = x_0 + h f @ state_basis(tau).T."""
-        return integrated_basis(self.c, tau)
+
+@dataclass(frozen=True, eq=False)
+class FiniteDifference:
+    """Second-order central differences for positions; see `finite_difference` for its equations.
+
+    Between the points the state is the cubic Hermite polynomial of its values and slopes, the control is linear.
+    """
+
+    name: str = "finite-difference"
+    family: str = "differences, second order"
+    order: int = 2
+    sigma: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
+    c: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
+    source: str = "An introduction to direct collocation, section 6, (40)-(42)"
+    collocated: tuple[int, ...] = (0, 1)
+    b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
+    state_interpolant: str = "degree 3"
+    control_interpolant: str = "degree 1"
+
+    def interpolant(self, tau: np.ndarray) -> Interpolant:
+        t = np.asarray(tau, float)
+        X = np.stack([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)], axis=1)
+        F = np.stack([t * (1 - t) ** 2, t**2 * (t - 1)], axis=1)
+        dX = np.stack([6 * t * (t - 1), 6 * t * (1 - t)], axis=1)
+        dF = np.stack([(1 - t) * (1 - 3 * t), t * (3 * t - 2)], axis=1)
+        return Interpolant(X, F, dX, dF, lagrange_basis(self.c, t))
 
 
 # fmt: off
@@ -127,10 +168,13 @@ HERMITE_SIMPSON_COMPRESSED = Scheme(
 )
 # fmt: on
 
-TABLE = {scheme.name: scheme for scheme in (TRAPEZOID, HERMITE_SIMPSON, HERMITE_SIMPSON_COMPRESSED)}
+FINITE_DIFFERENCE = FiniteDifference()
+
+TABLE = {s.name: s for s in (TRAPEZOID, HERMITE_SIMPSON, HERMITE_SIMPSON_COMPRESSED, FINITE_DIFFERENCE)}
+COLLOCATION = {name: scheme for name, scheme in TABLE.items() if isinstance(scheme, Scheme)}
 
 
-def find(name: str) -> Scheme:
+def find(name: str) -> Scheme | FiniteDifference:
     """The scheme of that name; raises SpecError with the nearest names otherwise."""
     if name in TABLE:
         return TABLE[name]

@@ -12,14 +12,14 @@ import numpy as np
 from ..problems.problem import Problem
 from ..problems.spec import Mesh as MeshEntry
 from . import ipopt
-from .collocation import Transcription, transcribe
+from .transcribe import Transcription, transcribe
 from .compiler import CompiledNLP
 from .costate import costates
 from .diagnose import Violation, explain_non_finite, violations
 from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
-from .schemes import find
+from .schemes import Scheme, find
 from .trajectory import Trajectory, trajectories
 from .warm import Solved, warm_start
 
@@ -115,12 +115,13 @@ def _solve_mesh(problem, step: Step, options, guess, solved: Solved | None, prog
     nlp = CompiledNLP(transcription.model, transcription.variables)
     compiled = time.perf_counter()
     z, lower, upper = bounded_start(transcription)
-    start = warm_start(solved, transcription, nlp) if solved else None
+    start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
     outcome = ipopt.solve(nlp, z, lower, upper, {"tol": step.tolerance, **options}, start, progress, stop)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
-    lambdas = costates(transcription, nlp, outcome)
-    phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
+    if all(isinstance(phase.mesh.scheme, Scheme) for phase in phases):
+        lambdas = costates(transcription, nlp, outcome)
+        phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
     errors = tuple(map(error_profile, phases))
     solution = Solution(
         problem, outcome.status, problem.sense * outcome.objective, phases, errors, (), outcome,

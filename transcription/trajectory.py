@@ -16,9 +16,11 @@ from functools import cached_property
 import numpy as np
 
 from ..problems.problem import Phase
-from .collocation import Layout, Transcription
+from .transcribe import Layout, Transcription
+from .finite_difference import velocities
 from .mesh import Mesh
 from .polynomials import lagrange_basis
+from .schemes import FiniteDifference
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
@@ -82,16 +84,14 @@ class Trajectory:
 
     def evaluate(self, segment: np.ndarray, tau: np.ndarray) -> Sample:
         """The trajectory at normalised times tau in [0, 1] of the given segments; the two arrays are broadcast."""
-        scheme, points = self.mesh.scheme, self.mesh.collocated[segment]
-        shape = (*np.shape(tau), len(scheme.c))
-        basis = scheme.control_basis(np.ravel(tau)).reshape(shape)
-        integral = scheme.state_basis(np.ravel(tau)).reshape(shape)
-        f, h = self.f[:, points], self.h[segment]
+        scheme, nodes, points = self.mesh.scheme, self.mesh.nodes[segment], self.mesh.collocated[segment]
+        X, F, dX, dF, U = (m.reshape(*np.shape(tau), -1) for m in scheme.interpolant(np.ravel(tau)))
+        x, f, h = self.x[:, nodes], self.f[:, points], self.h[segment]
         return Sample(
             t=self.knots[segment] + h * tau,
-            x=self.x[:, self.mesh.first[segment]] + h * (f * integral).sum(axis=-1),
-            u=(self.u[:, points] * basis).sum(axis=-1),
-            dx=(f * basis).sum(axis=-1),
+            x=(x * X).sum(axis=-1) + h * (f * F).sum(axis=-1),
+            u=(self.u[:, points] * U).sum(axis=-1),
+            dx=(x * dX).sum(axis=-1) / h + (f * dF).sum(axis=-1),
             costate=None if self.costate is None else self._costate(segment, tau),
         )
 
@@ -149,6 +149,12 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
     trajectory = Trajectory(phase, mesh, t, x, u, parameters)
+    if isinstance(mesh.scheme, FiniteDifference):
+        names = [state.name for state in phase.states]
+        for i, state in enumerate(phase.states):
+            if state.velocity_of:
+                x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
+        return trajectory
     for node, row in mesh.scheme.eliminated:
         nodes, collocated = mesh.nodes, mesh.collocated
         f = phase.dynamics(trajectory.times, x, u, parameters)

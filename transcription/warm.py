@@ -16,10 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .collocation import Family, Layout, Transcription
+from .builder import Family
+from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
 from .ipopt import Start
 from .outcome import Outcome
+from .schemes import Scheme
 from .trajectory import Trajectory
 
 
@@ -31,6 +33,11 @@ class Solved:
     nlp: CompiledNLP
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
+
+    def has_costates(self, transcription: Transcription) -> bool:
+        """Whether both this mesh and the next give multipliers a meaning over time."""
+        schemes = [layout.mesh.scheme for layout in (*self.transcription.phases, *transcription.phases)]
+        return all(isinstance(scheme, Scheme) for scheme in schemes)
 
 
 def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:

@@ -42,13 +42,14 @@ def simpson(segments):
     return weights * DURATION / segments
 
 
-def report(seconds, stats, objective):
-    """One JSON object on one line, the same fields from every tool; seconds by part, memory in bytes."""
+def report(seconds, cpu, stats, objective):
+    """One JSON object on one line, the same fields from every tool: seconds by part, bytes of memory."""
     callbacks = ("t_wall_nlp_f", "t_wall_nlp_g", "t_wall_nlp_grad_f", "t_wall_nlp_jac_g", "t_wall_nlp_hess_l")
     record = {
         **seconds,
         "evaluate": sum(stats.get(name, 0.0) for name in callbacks),
         "total": seconds["build"] + seconds["compile"] + seconds["solve"],
+        "CPU": cpu,
         "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
         "iterations": stats["iter_count"],
         "objective": float(objective),

@@ -46,7 +46,7 @@ def bounds(segments):
 
 
 def main(segments):
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     nlp = program(segments)
     lower, upper = bounds(segments)
     guess = np.vstack([straight_line(2 * segments + 1), np.zeros(2 * segments + 1)])
@@ -55,9 +55,9 @@ def main(segments):
     compiled = time.perf_counter()
     limits = {"lbx": lower.ravel("F"), "ubx": upper.ravel("F"), "lbg": 0, "ubg": 0}
     solution = solver(x0=guess.ravel("F"), **limits)
-    solved = time.perf_counter()
-    seconds = {"import": imported - began, "build": built - start, "compile": compiled - built, "solve": solved - compiled}
-    report(seconds, solver.stats(), solution["f"])
+    solved, cpu = time.perf_counter(), time.process_time() - cpu
+    parts = {"build": built - start, "compile": compiled - built, "solve": solved - compiled}
+    report({"import": imported - began, **parts}, cpu, solver.stats(), solution["f"])
 
 
 if __name__ == "__main__":

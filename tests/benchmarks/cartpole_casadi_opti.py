@@ -1,6 +1,9 @@
 """Cart-pole with CasADi's `Opti` and a Python loop over the segments: the way most scripts are written.
 
 Run as `python cartpole_casadi_opti.py SEGMENTS`; prints one JSON object.
+
+Variables are declared point by point: one opti.variable(4, points) with slices in the loop, which is seen more often,
+takes 18 s instead of 4.4 s for 1000 segments.
 """
 
 import sys
@@ -20,13 +23,10 @@ def problem(segments):
     points = 2 * segments + 1
     guess = straight_line(points)
     x, u = [], []
-    for k in range(points):  # declared point by point, which keeps the matrices banded
+    for k in range(points):
         x.append(opti.variable(4))
         u.append(opti.variable())
         opti.set_initial(x[k], guess[:, k])
-        for i, limit in LIMITS.items():
-            variable = u[k] if i == 4 else x[k][i]
-            opti.subject_to(opti.bounded(-limit, variable, limit))
     x_state, u_control = ca.SX.sym("x", 4), ca.SX.sym("u")
     dynamics = ca.Function("f", [x_state, u_control], [rates(x_state, u_control)])
     f = [dynamics(x[k], u[k]) for k in range(points)]
@@ -35,6 +35,9 @@ def problem(segments):
         opti.subject_to(x[k + 1] == (x[k] + x[k + 2]) / 2 + h / 8 * (f[k] - f[k + 2]))
         opti.subject_to(x[k + 2] == x[k] + h / 6 * (f[k] + 4 * f[k + 1] + f[k + 2]))
         cost += h / 6 * (u[k] ** 2 + 4 * u[k + 1] ** 2 + u[k + 2] ** 2)
+    z = ca.vertcat(ca.horzcat(*x), ca.horzcat(*u))
+    for i, limit in LIMITS.items():
+        opti.subject_to(opti.bounded(-limit, z[i, :], limit))
     opti.subject_to(x[0] == ca.DM(START))
     opti.subject_to(x[-1] == ca.DM(END))
     opti.minimize(cost)
@@ -42,18 +45,17 @@ def problem(segments):
 
 
 def main(segments):
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     opti, cost = problem(segments)
     built = time.perf_counter()
     opti.solver("ipopt", OPTIONS)
     solution = opti.solve()
     objective = solution.value(cost)
-    solved = time.perf_counter()
-    whole = solved - built
+    solved, cpu = time.perf_counter(), time.process_time() - cpu
     stats = solution.stats()
     solve = stats["t_wall_total"]
-    seconds = {"import": imported - began, "build": built - start, "compile": whole - solve, "solve": solve}
-    report(seconds, stats, objective)
+    parts = {"build": built - start, "compile": solved - built - solve, "solve": solve}
+    report({"import": imported - began, **parts}, cpu, stats, objective)
 
 
 if __name__ == "__main__":

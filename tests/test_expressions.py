@@ -1,0 +1,182 @@
+"""Expressions: the values of Python's own arithmetic, with NumPy and Pyomo; what is not arithmetic is refused."""
+
+import math
+import random
+
+import numpy as np
+import pyomo.core
+import pytest
+
+from trajopt.problems.expressions import parse
+from trajopt.problems.syntax import FUNCTIONS, ExpressionError
+
+NAMES = {"x": 0.7, "y": -0.3, "q1": 1.9, "u_max": 2.5}
+PYTHON = {**{name: getattr(math, name) for name in FUNCTIONS}, "pi": math.pi, "__builtins__": {}}
+
+
+def random_text(rng: random.Random, depth: int) -> str:
+    """An expression that is finite at NAMES: arguments and divisors are kept where every function is defined."""
+    if depth == 0:
+        return rng.choice([*NAMES, "pi", "2", "0.25", "1e-1", ".5"])
+    a, b = (random_text(rng, depth - 1) for _ in range(2))
+    return rng.choice(
+        [
+            f"{a} + {b}",
+            f"{a} - ({b})",
+            f"({a})*({b})",
+            f"({a})/(3 + sin({b}))",
+            f"-({a})",
+            f"sin({a})**{rng.choice([1, 2, 3])}",
+            f"-cos({a})**2",
+            f"(1.5 + cos({a}))**-{rng.choice(['1', '0.5', '2'])}",
+            f"(2 + sin({a}))**sin({b})",
+            f"{rng.choice(['sin', 'cos', 'atan', 'tanh'])}({a})",
+            f"{rng.choice(['tan', 'asin', 'acos', 'sinh', 'cosh', 'exp'])}(sin({a})/2)",
+            f"{rng.choice(['log', 'sqrt'])}(2 + sin({a}))",
+        ]
+    )
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_values_are_those_of_python(seed):
+    rng = random.Random(seed)
+    text = random_text(rng, 4)
+    expected = eval(text, PYTHON, dict(NAMES))  # a text of our own making
+    expression = parse(text)
+    assert expression(NAMES, np) == pytest.approx(expected, rel=1e-13, abs=1e-13)
+
+    model = pyomo.core.ConcreteModel()
+    model.v = pyomo.core.Var(list(NAMES), initialize=NAMES)
+    symbolic = expression({name: model.v[name] for name in NAMES}, pyomo.core)
+    assert pyomo.core.value(symbolic) == pytest.approx(expected, rel=1e-13, abs=1e-13)
+
+    arrays = {name: np.array([value, value / 2]) for name, value in NAMES.items()}
+    assert np.broadcast_to(expression(arrays, np), 2)[0] == pytest.approx(expected, rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("text", ["2*-x", "-x**2", "2**-1", "2**3**2", "x - y - q1", "x/y/q1", "+x", "- -x", "x*+y"])
+def test_precedence_is_that_of_python(text):
+    assert parse(text)(NAMES, np) == pytest.approx(eval(text, PYTHON, dict(NAMES)), rel=1e-14)
+
+
+def test_whole_exponents_stay_whole():
+    """x**2 must reach the derivatives as a product, also where the exponent is a parameter."""
+    model = pyomo.core.ConcreteModel()
+    model.x = pyomo.core.Var()
+    for expression in (parse("x**2"), parse("x**n").bind({"n": 2.0}, {})):
+        exponent = expression({"x": model.x}, pyomo.core).args[1]
+        assert isinstance(exponent, int)
+
+
+def test_line_breaks_and_spaces_do_not_matter():
+    assert parse("x +\n   y\t* q1 ").text == "x + y * q1"
+
+
+PIECES = [
+    "x",
+    "y",
+    "2",
+    "0.5",
+    "1e3",
+    "pi",
+    "sin",
+    "log",
+    "(",
+    ")",
+    "(",
+    ")",
+    "+",
+    "-",
+    "*",
+    "/",
+    "**",
+    "**",
+    ",",
+    ".",
+    "[",
+    "]",
+    "[final]",
+    "initial",
+    "=",
+    "^",
+    "t",
+    "lambda",
+    "if",
+    "'a'",
+    "abs",
+    "~",
+    ":",
+    "@",
+]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_text_is_read_or_refused_with_a_sentence(seed):
+    rng = random.Random(seed)
+    for _ in range(200):
+        text = rng.choice(["", " "]).join(rng.choices(PIECES, k=rng.randint(1, 9)))
+        try:
+            parse(text)
+        except ExpressionError as error:
+            assert error.what and error.remedy
+
+
+@pytest.mark.parametrize(
+    "text", ["9**9**9", "10**400", "2**" * 900 + "2", "1/0", "0**-1", "(-1)**0.5", "exp(1e9)", "1e101"]
+)
+def test_constants_without_a_value_are_refused(text):
+    with pytest.raises(ExpressionError):
+        parse(text)
+
+
+def test_long_sums_are_read():
+    text = "+".join(["x"] * 1900)
+    assert parse(text)({"x": 1.0}, np) == 1900
+
+
+def test_names_and_ends():
+    assert parse("q1[final]*p - sin(t) + pi").names == {"q1[final]", "p", "t"}
+
+
+def test_trouble_is_the_innermost_part_and_its_values():
+    expression = parse("3*sqrt(1 + log(x1 - a)/y)").bind({"a": 2.0}, {})
+    assert expression.trouble({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 1.0])}) is None
+    found = expression.trouble({"x1": np.array([3.0, 2.5, 1.5, 1.0]), "y": np.ones(4)})
+    assert found == ("log(x1 - a)", 2, {"x1": 1.5, "a": 2.0})
+    assert expression.trouble({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 0.0])}) == (
+        "log(x1 - a)/y",
+        1,
+        {"x1": 2.5, "a": 2.0, "y": 0.0},
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "x", "part"),
+    [("x**-1", 0.0, "x**-1"), ("x**0.5 + 1", -1.0, "x**0.5"), ("(x + 1)/(x - 1)*2", 1.0, "(x + 1)/(x - 1)"),
+     ("exp(x)", 1000.0, "exp(x)"), ("x + 1", math.nan, "x"), ("1 + 2*asin(x)", 2.0, "asin(x)")],
+)  # fmt: skip
+def test_trouble_of_many_kinds(text, x, part):
+    assert parse(text).trouble({"x": x})[0] == part
+
+
+def test_trouble_inside_a_definition():
+    definitions = {"speed": parse("sqrt(v)"), "power": parse("2*speed")}
+    bound = parse("power[final] - 1").bind({}, definitions)
+    assert bound.names == {"v[final]"}
+    assert bound.trouble({"v[final]": -4.0}) == ("sqrt(v)", 0, {"v[final]": -4.0})
+    assert bound({"v[final]": 4.0}, np) == 3.0
+
+
+def test_shared_definitions_are_evaluated_once():
+    """Each level doubles the last: written out, the expression would have 2**60 terms."""
+    definitions = {"e0": parse("x")} | {f"e{i}": parse(f"e{i - 1}/2 + e{i - 1}/2") for i in range(1, 61)}
+    bound = parse("e60 + e60").bind({}, definitions)
+    assert bound({"x": 3.0}, np) == 6.0
+    assert bound.names == {"x"}
+
+
+def test_static_parameters_have_one_value_at_both_ends():
+    definitions = {"energy": parse("m*v**2/2 + p")}
+    bound = parse("energy[final] - energy[initial] + p").bind({"m": 2.0}, definitions, frozenset({"p"}))
+    assert bound.names == {"v[final]", "v[initial]", "p"}
+    assert bound({"v[final]": 3.0, "v[initial]": 1.0, "p": 0.5}, np) == 8.5

@@ -1,0 +1,189 @@
+"""The shipped problems, the JSON Schema, and what becomes of a file: numbers, ranges, functions, guesses."""
+
+import json
+from math import inf, pi
+
+import broken
+import numpy as np
+import pytest
+import yaml
+
+from trajopt.problems.build import build
+from trajopt.problems.catalog import find, shipped, start_new
+from trajopt.problems.errors import FileError
+from trajopt.problems.load import load, load_text
+from trajopt.problems.problem import Range
+from trajopt.problems.spec import Spec, schema
+
+SHIPPED = [*shipped().values(), find("cartpole").with_name("template.yaml")]
+
+
+def built(*edits: tuple[str, str]):
+    """The problem of the good file with some edits."""
+    text = broken.GOOD
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new)
+    return build(load_text(text, "good.yaml", methods=broken.METHODS))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_problem_loads_and_builds(path):
+    spec = load(path, methods=broken.METHODS)
+    assert not spec.warnings
+    assert spec.source and spec.file == str(path) and spec.text == path.read_text()
+    assert path.stem == "template" or spec.reference is not None
+    assert spec.text.startswith("# ")
+    (phase,) = build(spec).phases
+    values = {name: phase.guess.sample(name, np.array([0.0, 0.5, 1.0])) for name in phase.guess.values}
+    values |= {"t": np.array([0.0, 0.5, 1.0]), **phase.guess.parameters}
+    assert all(np.all(np.isfinite(state.rate(values, np))) for state in phase.states)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_json_schema_accepts_the_shipped_problems(path):
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.validate(yaml.safe_load(path.read_text()), schema(broken.METHODS))
+
+
+def test_json_schema_refuses_what_the_loader_refuses():
+    jsonschema = pytest.importorskip("jsonschema")
+    good = yaml.safe_load(broken.GOOD)
+    jsonschema.validate(good, schema(broken.METHODS))
+    wrong = [("mesh", 0, {"method": "euler", "segments": 1}), ("states", "x", {}), ("time", "end", 1)]
+    for section, key, value in wrong:
+        bad = json.loads(json.dumps(good))
+        bad[section][key] = value
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(bad, schema(broken.METHODS))
+
+
+def test_every_field_is_described():
+    models = [schema(), *schema()["$defs"].values()]
+    objects = [part for model in models for part in [model, *model.get("anyOf", [])] if "properties" in part]
+    assert len(objects) > 10
+    assert all(field.get("description") for part in objects for field in part["properties"].values())
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_the_full_spec_is_a_problem_file_again(path):
+    spec = load(path)
+    again = load_text(spec.model_dump_json(), "again.yaml")
+    assert again.model_dump() == spec.model_dump()
+
+
+def test_cartpole():
+    problem = build(load(find("cartpole")))
+    (phase,) = problem.phases
+    q2, v1 = phase.states[1], phase.states[2]
+    assert (problem.sense, phase.initial_time, phase.final_time) == (1, Range(0, 0), Range(2, 2))
+    assert q2.bounds == Range(-2 * pi, 2 * pi) and q2.initial == Range(0, 0) and q2.final == Range(pi, pi)
+    assert phase.controls[0].bounds == Range(-20, 20)
+    # (6.1) at q2 = 1, v2 = 2, u = 3
+    expected = (0.5 * 0.3 * np.sin(1) * 4 + 3 + 0.3 * 9.81 * np.cos(1) * np.sin(1)) / (1 + 0.3 * np.sin(1) ** 2)
+    assert v1.rate({"q2": 1.0, "v2": 2.0, "u": 3.0}, np) == pytest.approx(expected, rel=1e-14)
+    assert phase.guess.sample("q2", np.array([0.5])) == pytest.approx(pi / 2)
+
+
+def test_functions_and_ranges():
+    problem = built()
+    (phase,) = problem.phases
+    assert phase.states[0].rate.names == {"v"}
+    assert phase.states[1].rate.names == {"u", "c", "v"}
+    assert phase.states[1].rate({"u": 3.0, "c": 0.5, "v": 2.0}, np) == 1.0
+    assert phase.lagrange({"u": 3.0}, np) == 9.0
+    assert phase.mayer({"x[final]": 2.0, "v[final]": 3.0, "c": 0.5}, np) == 6.25
+    assert [c.name for c in (*phase.path, *phase.boundary, *phase.integral)] == [
+        "speed limit",
+        "x_final_x_initial",
+        "power",
+    ]
+    assert phase.boundary[0].bounds == Range(1, 1) and phase.integral[0].bounds == Range(-inf, 100)
+    assert phase.integral[0].function({"u": 3.0, "v": 2.0}, np) == 6.0
+    assert problem.parameters[0].bounds == Range(0.1, 0.5)
+
+
+def test_ends_lie_inside_the_bounds():
+    (phase,) = built(("final: d}", "final: {lower: 1}}"), ("initial: 0, final: {lower", "final: {lower")).phases
+    assert phase.states[0].final == Range(1, 2) and phase.states[0].initial == Range(-2, 2)
+
+
+def test_maximize_and_free_times():
+    problem = built(("{minimize", "{maximize"), ("final: T}", "final: {lower: 1, upper: 3}}"))
+    assert problem.sense == -1
+    assert problem.phases[0].final_time == Range(1, 3) and problem.phases[0].guess.final_time == 2
+
+
+KEYFRAMES = "guess:\n  constants: {u: 1}\n  keyframes: {time: [0, 1, 2], x: [0, 0.5, 1]}"
+
+
+@pytest.mark.parametrize(
+    ("guess", "s", "x", "v", "u"),
+    [
+        ("guess: linear", [0, 1], [0, 1], [0, 0], [0, 0]),
+        ("", [0, 1], [0, 1], [0, 0], [0, 0]),
+        ("guess: {constants: {v: d/2, u: 1}}", [0, 1], [0, 1], [0.5, 0.5], [1, 1]),
+        ("guess: {keyframes: {x: [0, 1, 3*d, 1]}}", [0, 1 / 3, 2 / 3, 1], [0, 1, 3, 1], [0] * 4, [0] * 4),
+        ("guess: {keyframes: {time: [5, 6, 9], u: [1, 2, 3]}}", [0, 0.25, 1], [0, 0.25, 1], [0] * 3, [1, 2, 3]),
+    ],
+)
+def test_guesses(guess, s, x, v, u):
+    found = built((KEYFRAMES, guess)).phases[0].guess
+    assert found.s == pytest.approx(s)
+    assert {name: pytest.approx(row) for name, row in found.values.items()} == {"x": x, "v": v, "u": u}
+    assert found.parameters == {"c": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("ends", "expected"),
+    [
+        ("initial: 0, final: 1", [0, 1]),
+        ("initial: 0.5", [0.5, 0.5]),
+        ("final: 0.5", [0.5, 0.5]),
+        ("initial: {lower: 0, upper: 1}, final: 2", [0.5, 2]),
+        ("lower: 0, upper: 9, initial: 0.5", [0.5, 0.5]),
+        ("initial: 0, final: {lower: 1}", [0, 1]),
+        ("lower: 1", [1, 1]),
+        ("lower: -4, upper: -1", [-1, -1]),
+        ("upper: -1", [-1, -1]),
+    ],
+)
+def test_linear_guess_of_a_state(ends, expected):
+    text = f"""{{trajopt: 1, states: {{x: {{rate: u, {ends}}}}}, controls: {{u: {{lower: 2}}}},
+        time: {{initial: 0, final: 1}}, objective: {{minimize: {{integral: u**2}}}},
+        mesh: [{{method: any, segments: 1}}]}}"""
+    guess = build(load_text(text, "state.yaml")).phases[0].guess
+    assert guess.values["x"].tolist() == expected and guess.values["u"].tolist() == [2, 2]
+
+
+def test_a_spec_made_in_python_builds():
+    spec = Spec.model_validate(yaml.safe_load(broken.GOOD.replace("1e-8", "1.0e-8")))
+    assert build(spec).name == "a good file"
+
+
+@pytest.mark.parametrize("name", ["cartpole", "cartpole.yaml"])
+def test_shipped_problems_by_name(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert find(name) == shipped()["cartpole"]
+
+
+@pytest.mark.parametrize(("name", "says"), [("cartpol", "did you mean cartpole?"), ("no/x.yaml", "look into no")])
+def test_a_name_that_is_not_shipped(name, says):
+    with pytest.raises(FileError, match=says.replace("?", r"\?")):
+        find(name)
+
+
+def test_a_file_of_ones_own_comes_before_a_shipped_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cartpole.yaml").write_text(broken.GOOD)
+    assert load(find("cartpole.yaml")).name == "a good file"
+
+
+@pytest.mark.parametrize(("name", "source"), [("my_problem", "template"), ("swing: up.yaml", "cartpole")])
+def test_a_new_file_starts_from_another(name, source, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = start_new(name, source)
+    assert path.suffix == ".yaml" and load(path).name == path.stem
+    with pytest.raises(FileError, match="--force"):
+        start_new(name, source)
+    start_new(name, source, force=True)

@@ -1,0 +1,220 @@
+"""What the builders of all methods share: the variables of a phase, its constraints, its integrals.
+
+A method says at which places the problem's functions are evaluated (`Place`) and adds the dynamics; path constraints,
+residuals, bounds of states that are no variables, and integrals follow from the places alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyomo.core as pyomo
+from pyomo.core import Constraint, Param, RangeSet, Set, Var
+
+from ..problems.problem import Phase, Range
+from .mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Family:
+    """The constraints of one Pyomo component, told in the user's terms.
+
+    kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
+    state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
+    of the points of a constraint that holds over time, else 1. row: of the scheme's defects, else 0.
+    """
+
+    component: Constraint
+    phase: str
+    kind: str
+    name: str
+    span: np.ndarray
+    weights: np.ndarray
+    row: int = 0
+
+
+@dataclass(frozen=True)
+class Place:
+    """Points that one rule reaches.
+
+    over: the Set of the rule's index, or None for a single point. values: index -> the values at that point, by name.
+    weight: index -> its quadrature weight in time. points: (M,) the numbers of the points, and quadrature: (M,) their
+    weights for a phase of duration 1. computed: the states that are no variables there, with their ranges.
+    """
+
+    name: str
+    over: Any
+    values: Callable[[Any], dict]
+    weight: Callable[[Any], Any]
+    points: np.ndarray
+    quadrature: np.ndarray
+    computed: Mapping[str, Range]
+
+
+class PhaseBuilder:
+    """Fills the block of one phase; the methods of a subclass are `stored`, `places`, `dynamics` and `end_values`."""
+
+    def __init__(self, block, p: Mapping[str, Any], phase: Phase, mesh: Mesh):
+        self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
+        self.last = len(mesh.fractions) - 1
+        self.families: list[Family] = []
+
+    def stored(self) -> dict[str, np.ndarray]:
+        """The points at which each state is a variable."""
+        raise NotImplementedError
+
+    def places(self) -> list[Place]:
+        """Every collocation point, once."""
+        raise NotImplementedError
+
+    def dynamics(self) -> None:
+        """Add the defects."""
+        raise NotImplementedError
+
+    def end_values(self, last: bool) -> dict:
+        """The values at the first or at the last point."""
+        raise NotImplementedError
+
+    # -- variables and data ------------------------------------------------------------------------------------
+
+    def variables(self, guess) -> None:
+        block, phase, mesh = self.block, self.phase, self.mesh
+        for name, bounds, value in (
+            ("t0", phase.initial_time, guess.initial_time),
+            ("tF", phase.final_time, guess.final_time),
+        ):
+            block.add_component(name, Var())
+            bound(block.component(name), bounds, value)
+            block.component(name).fixed = bounds.fixed
+        block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
+        block.collocated = Set(initialize=np.unique(mesh.collocated).tolist())
+        self.data("fraction", block.point, mesh.fractions)
+        stored = self.stored()
+        block.x = Var([(name, k) for name, points in stored.items() for k in points.tolist()])
+        block.u = Var([control.name for control in phase.controls], block.collocated)
+        if phase.algebraic:
+            block.z = Var([algebraic.name for algebraic in phase.algebraic], block.collocated)
+        for state in phase.states:
+            ends = {0: state.initial, self.last: state.final}
+            values = guess.sample(state.name, mesh.fractions).tolist()
+            for k in stored.get(state.name, np.zeros(0, int)).tolist():
+                bound(block.x[state.name, k], ends.get(k, state.bounds), values[k])
+        for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
+            values = guess.sample(name, mesh.fractions).tolist()
+            for k in block.collocated:
+                bound(component[name, k], variable.bounds, values[k])
+
+    def data(self, name: str, index, values: np.ndarray) -> None:
+        self.block.add_component(name, Param(index, initialize=dict(zip(index, values.tolist(), strict=True))))
+
+    @property
+    def inputs(self) -> list[tuple[Var, str]]:
+        """(component, name) of each row of u."""
+        controls = [(self.block.u, control.name) for control in self.phase.controls]
+        return controls + [(self.block.z, algebraic.name) for algebraic in self.phase.algebraic]
+
+    # -- the values at one point, by the names that the problem's functions use -----------------------------------
+
+    @property
+    def duration(self):
+        return self.block.tF - self.block.t0
+
+    def at(self, k, states: Iterable[str]) -> dict:
+        """p, t, u and the named states at point k."""
+        block = self.block
+        values = {**self.p, "t": block.t0 + self.duration * block.fraction[k]}
+        values |= {name: component[name, k] for component, name in self.inputs}
+        return values | {name: block.x[name, k] for name in states}
+
+    def _ends(self) -> dict:
+        """The values at both ends of the phase, by names such as "q1[final]"."""
+        values = dict(self.p)
+        for end, last in (("initial", False), ("final", True)):
+            values |= {f"{name}[{end}]": v for name, v in self.end_values(last).items() if name not in self.p}
+        return values
+
+    # -- constraints and objective ---------------------------------------------------------------------------------
+
+    def constraints(self) -> None:
+        self.dynamics()
+        for i, residual in enumerate(self.phase.residuals):
+            self._everywhere(f"residual{i}", residual, "residual")
+        for i, constraint in enumerate(self.phase.path):
+            self._everywhere(f"path{i}", constraint, "path")
+        self._bounds_of_computed_states()
+        for i, constraint in enumerate(self.phase.boundary):
+
+            def rule(block, c=constraint):
+                return _between(c.bounds, c.function(self._ends(), pyomo))
+
+            self.add(f"boundary{i}", None, rule, "boundary", constraint.name, (0.0, 1.0))
+        for i, constraint in enumerate(self.phase.integral):
+
+            def rule(block, c=constraint):
+                return _between(c.bounds, self.integral(c.function))
+
+            self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
+
+    def add(self, component: str, over, rule, kind: str, name: str, span, weights=1.0, row: int = 0) -> None:
+        constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
+        self.block.add_component(component, constraint)
+        span = np.atleast_2d(np.transpose(span))
+        weights = np.broadcast_to(weights, len(span))
+        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, row))
+
+    def _everywhere(self, component: str, constraint, kind: str) -> None:
+        """A constraint at every collocation point (paper, 3.3 and 4.3)."""
+        for place in self.places():
+
+            def relation(k, place=place):
+                return _between(constraint.bounds, constraint.function(place.values(k), pyomo))
+
+            self._at_place(component, place, relation, kind, constraint.name)
+
+    def _bounds_of_computed_states(self) -> None:
+        for place in self.places():
+            for name, bounds in place.computed.items():
+                if bounds == Range():
+                    continue
+
+                def relation(k, place=place, name=name, bounds=bounds):
+                    return _between(bounds, place.values(k)[name])
+
+                self._at_place(f"bound_{name}", place, relation, "bound", name)
+
+    def _at_place(self, component: str, place: Place, relation, kind: str, name: str) -> None:
+        times = self.mesh.fractions[place.points]
+        rule = (lambda b: relation(None)) if place.over is None else (lambda b, k: relation(k))
+        self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), place.quadrature)
+
+    def cost(self):
+        cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0
+        return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
+
+    def integral(self, w):
+        """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""
+        total = 0.0
+        for place in self.places():
+            if place.over is None:
+                total += place.weight(None) * w(place.values(None), pyomo)
+            else:
+                total += sum(place.weight(k) * w(place.values(k), pyomo) for k in place.over)
+        return total
+
+
+def bound(variable, bounds: Range, value: float) -> None:
+    """Give a Pyomo variable its bounds and its initial value."""
+    variable.setlb(bounds.lower if np.isfinite(bounds.lower) else None)
+    variable.setub(bounds.upper if np.isfinite(bounds.upper) else None)
+    variable.set_value(value, skip_validation=True)
+
+
+def _between(bounds: Range, body):
+    if bounds.fixed:
+        return body == bounds.lower
+    lower = bounds.lower if np.isfinite(bounds.lower) else None
+    upper = bounds.upper if np.isfinite(bounds.upper) else None
+    return (lower, body, upper)

@@ -1,0 +1,120 @@
+"""Problem + meshes -> Transcription: a Pyomo model, its unknowns in order, and what stands where.
+
+The model holds model.p[name], the static parameters to optimise, one block for each phase, model.phase[name], filled by
+the builder of its scheme (`collocation`, `finite_difference`), and model.cost. Every rule is called once, with an index
+placeholder (see `templates.templated`), so that building the constraints costs the same for ten segments and for ten
+thousand. The unknowns z are ordered point by point, (x_0, u_0, x_1, u_1, ...), times and parameters last: the matrix
+that IPOPT factorises is banded with a narrow border.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+from pyomo.core import Block, ConcreteModel, Objective, Var
+
+from ..problems.errors import Mistake, SpecError
+from ..problems.problem import Phase, Problem
+from .builder import Family, bound
+from .collocation import CollocationBuilder
+from .finite_difference import DifferenceBuilder
+from .mesh import Mesh
+from .schemes import FiniteDifference
+from .templates import templated
+
+MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown."""
+
+    phase: Phase
+    mesh: Mesh
+    x: np.ndarray
+    u: np.ndarray
+    t: np.ndarray
+
+
+@dataclass(frozen=True)
+class Transcription:
+    """A Pyomo model, its free variables in the order of z, and what stands where."""
+
+    problem: Problem
+    model: ConcreteModel
+    variables: tuple
+    phases: tuple[Layout, ...]
+    parameters: np.ndarray
+    families: tuple[Family, ...]
+
+
+def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: bool = True) -> Transcription:
+    """Transcribe a problem on one mesh for each of its phases.
+
+    guess: one for each phase, with the methods of `problems.problem.Guess`; by default the problem's own.
+    templates=False gives an ordinary, expanded Pyomo model, for Pyomo's writers.
+    Raises SpecError if the nonlinear program would be too large to hold.
+    """
+    _check_size(problem, meshes)
+    guess = guess or [phase.guess for phase in problem.phases]
+    model = ConcreteModel(problem.name)
+    if problem.parameters:  # Pyomo's LaTeX printer fails on a component without members
+        model.p = Var([p.name for p in problem.parameters])
+    for parameter in problem.parameters:
+        bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
+    model.phase = Block([phase.name for phase in problem.phases])
+    p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
+    builders = [
+        _builder(mesh)(model.phase[phase.name], p, phase, mesh)
+        for phase, mesh in zip(problem.phases, meshes, strict=True)
+    ]
+    with templated() if templates else nullcontext():
+        for builder, start in zip(builders, guess, strict=True):
+            builder.variables(start)
+            builder.constraints()
+        model.cost = Objective(rule=lambda m: problem.sense * sum(builder.cost() for builder in builders))
+    return _lay_out(problem, model, builders)
+
+
+def _builder(mesh: Mesh) -> type:
+    return DifferenceBuilder if isinstance(mesh.scheme, FiniteDifference) else CollocationBuilder
+
+
+def _check_size(problem: Problem, meshes: Sequence[Mesh]) -> None:
+    unknowns = sum(
+        len(mesh.fractions) * (len(phase.states) + len(phase.inputs))
+        for phase, mesh in zip(problem.phases, meshes, strict=True)
+    )
+    if unknowns > MAX_UNKNOWNS:
+        what = f"{unknowns} unknowns are more than the {MAX_UNKNOWNS} that trajopt takes"
+        raise SpecError(Mistake("mesh", what, "use fewer segments"))
+
+
+def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Transcription:
+    variables, phases = [], []
+
+    def place(component, index=None) -> int:
+        if index not in component or component[index].fixed:
+            return -1
+        variables.append(component[index])
+        return len(variables) - 1
+
+    for builder in builders:
+        block, phase, mesh = builder.block, builder.phase, builder.mesh
+        x = np.full((len(phase.states), len(mesh.fractions)), -1)
+        u = np.full((len(phase.inputs), len(mesh.fractions)), -1)
+        for k in range(len(mesh.fractions)):
+            for i, state in enumerate(phase.states):
+                x[i, k] = place(block.x, (state.name, k))
+            for i, (component, name) in enumerate(builder.inputs):
+                u[i, k] = place(component, (name, k))
+        t = np.array([place(block.t0), place(block.tF)])
+        phases.append(Layout(phase, mesh, x, u, t))
+    parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
+    families = tuple(family for builder in builders for family in builder.families)
+    return Transcription(problem, model, tuple(variables), tuple(phases), parameters, families)
+
+
