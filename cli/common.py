@@ -8,6 +8,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import wraps
 
 import typer
@@ -17,6 +18,10 @@ from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
 
 
+SHORT_FORMS = {"mesh.*.method": "--method", "mesh.-1.segments": "--segments", "mesh.-1.tolerance": "--tol"}
+"""Options that stand for an override, by its path; messages name the option."""
+
+
 def exit_code(error: TrajoptError) -> int:
     return {SpecError: USER_MISTAKE, FileError: FILE_TROUBLE}[type(error)]
 
@@ -24,7 +29,8 @@ def exit_code(error: TrajoptError) -> int:
 def report(error: TrajoptError) -> None:
     """One sentence for each mistake, on standard error."""
     for mistake in error.mistakes:
-        print(f"error: {one_line(str(mistake))}", file=sys.stderr)
+        short = SHORT_FORMS.get(mistake.where.removeprefix("--set "), mistake.where)
+        print(f"error: {one_line(str(replace(mistake, where=short)))}", file=sys.stderr)
 
 
 def command(function: Callable) -> Callable:
@@ -142,7 +148,7 @@ def print_field(name: str, text: str) -> None:
 
 def one_line(text: str) -> str:
     """The text without line breaks or characters that would steer a terminal."""
-    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+    return "".join(" " if c.isspace() else c if c.isprintable() else "?" for c in text.strip())
 
 
 def plural(count: int, noun: str) -> str:

@@ -8,19 +8,19 @@ from typing import Annotated
 
 import typer
 
-from .common import command, load_all, plural
+from .common import command, load_all, one_line, plural
 from .solve import Files, Force, Method, Segments, Set, overrides
 
 
 @command
-def check(files: Files, set_: Set = ()) -> None:
-    """Check problem files and name every mistake in them, without solving.
+def check(files: Files, *, set_: Set = ()) -> None:
+    """Name every mistake in problem files, without solving.
 
     Example: trajopt check my_problem.yaml
     """
     for spec in load_all(files, list(set_)):
         for warning in spec.warnings:
-            print(f"warning: {warning}", file=sys.stderr)
+            print(f"warning: {one_line(str(warning))}", file=sys.stderr)
         counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))
         print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in counts))
 
@@ -29,14 +29,18 @@ def check(files: Files, set_: Set = ()) -> None:
 def export(
     file: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A problem file, or a name from 'trajopt list'.")],
     output: Annotated[Path, typer.Argument(metavar="OUT", help="out.nl, out.gms or out.tex")],
+    *,
     set_: Set = (),
     method: Method = None,
     segments: Segments = None,
     force: Force = False,
 ) -> None:
-    """Write the nonlinear program of the last mesh, expanded, for other solvers (.nl, .gms) or for reading (.tex).
+    """Write the nonlinear program for other solvers, or to read.
 
     Example: trajopt export cartpole cartpole.nl --segments 10
+
+    The suffix of OUT chooses the format: .nl (AMPL, with the names in .row and .col), .gms (GAMS) or .tex (LaTeX). The
+    program is that of the last mesh.
     """
     (spec,) = load_all([file], overrides(set_, method, segments, None))
 
@@ -51,7 +55,8 @@ def export(
 
 @command
 def init(
-    name: Annotated[str, typer.Argument(help="Name of the new problem; the file is NAME.yaml.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new problem; the file is NAME.yaml.")],
+    *,
     source: Annotated[str, typer.Option("--from", metavar="NAME", help="Copy this shipped problem.")] = "template",
     force: Force = False,
 ) -> None:

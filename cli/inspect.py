@@ -10,27 +10,30 @@ import typer
 
 from .common import NOT_SOLVED, command, print_table
 
+Results = Annotated[
+    list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.", show_default=False)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each result.")]
 
 
 @command
-def show(
-    results: Annotated[list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.")],
-    json_: Json = False,
-) -> None:
-    """Print what a result file holds. Exit code 1 if the result is not a solution.
+def show(results: Results, *, json_: Json = False) -> None:
+    """Print what result files hold.
 
     Example: trajopt show cartpole.h5 --json
+
+    The exit code is 1 if a result is no solution.
     """
     from ..results.summary import summarize
+    from .table import print_details, print_summary
 
     summaries = [summarize(path) for path in results]
-    for summary in summaries:
+    for number, summary in enumerate(summaries):
         if json_:
             print(json.dumps(summary))
         else:
-            from .table import print_details, print_summary
-
+            if number:
+                print()
             print_summary(summary)
             print_details(summary)
     if not all(summary["solved"] for summary in summaries):
@@ -39,7 +42,7 @@ def show(
 
 @command
 def list_() -> None:
-    """List the problems that ship with trajopt; each can be solved by its name.
+    """List the shipped problems; each can be solved by its name.
 
     Example: trajopt list
     """
@@ -56,21 +59,25 @@ def list_() -> None:
 
 @command
 def methods() -> None:
-    """List the collocation methods a mesh entry may name.
+    """List the collocation methods that a mesh may name.
 
     Example: trajopt methods
     """
     from ..transcription.schemes import TABLE
 
-    rows = [(s.name, s.family, str(s.order), s.state_interpolant, s.control_interpolant, s.source) for s in TABLE.values()]
+    rows = [
+        (s.name, s.family, str(s.order), s.state_interpolant, s.control_interpolant, s.source) for s in TABLE.values()
+    ]
     print_table(("method", "family", "order", "state", "control", "source"), rows)
 
 
 @command
 def schema() -> None:
-    """Print the JSON Schema of problem files, for editors and validators.
+    """Print the JSON Schema of problem files.
 
     Example: trajopt schema > trajopt.schema.json
+
+    Editors and validators use it to complete and check a file while it is written.
     """
     from ..problems.spec import schema as json_schema
     from ..transcription.schemes import TABLE

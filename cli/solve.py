@@ -4,40 +4,52 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import shlex
 import signal
 import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import INTERRUPTED, NOT_SOLVED, command, load_all
-from ..problems.errors import Mistake, SpecError
+from ..problems.errors import FileError, Mistake, SpecError
+from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, native_output, one_line
 
-Files = Annotated[list[str], typer.Argument(metavar="FILE|NAME...", help="Problem files, or names from 'trajopt list'.")]
-Output = Annotated[Path, typer.Option("-o", "--output", help="Result file; a folder if there are several problems.")]
+if TYPE_CHECKING:
+    from ..problems.problem import Guess, Problem
+    from ..problems.spec import Spec
+    from ..transcription.solve import Solution
+
+NAMES = "Problem files, or names from 'trajopt list'."
+Files = Annotated[list[str], typer.Argument(metavar="FILE|NAME...", help=NAMES, show_default=False)]
+Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
 Set = Annotated[list[str], typer.Option("--set", metavar="PATH=VALUE", help="Override a field of the problem file.")]
-Method = Annotated[str, typer.Option("--method", help="Collocation method of every mesh of the schedule.")]
-Segments = Annotated[int, typer.Option("--segments", min=1, help="Number of segments of the last mesh.")]
-Tolerance = Annotated[float, typer.Option("--tol", help="IPOPT's tolerance on the last mesh.")]
+Method = Annotated[str, typer.Option("--method", metavar="METHOD", help="Collocation method, on every mesh.")]
+Segments = Annotated[
+    int, typer.Option("--segments", metavar="N", min=1, show_default=False, help="Number of segments of the last mesh.")
+]
+Tolerance = Annotated[float, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
-Guess = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the trajectories of this result.")]
+GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, whatever it holds.")]
 
 
 @command
 def solve(
     files: Files,
+    *,
     output: Output = None,
     set_: Set = (),
     method: Method = None,
     segments: Segments = None,
     tol: Tolerance = None,
-    guess: Guess = None,
+    guess: GuessFile = None,
     json_: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -45,88 +57,104 @@ def solve(
 ) -> None:
     """Solve problems and write a result file for each.
 
-    Example: trajopt solve cartpole --segments 50 --set parameters.u_max=15 -o swing.h5
+    Example: trajopt solve cartpole --set parameters.u_max=15 -o swing.h5
 
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved.
     """
     specs = load_all(files, overrides(set_, method, segments, tol))
-    targets = _targets(specs, output)
-
-    from ..results.store import check_target
-
-    for spec, target in zip(specs, targets, strict=True):
-        check_target(target, spec.name, force)
-        for warning in () if quiet else spec.warnings:
-            print(f"warning: {warning}", file=sys.stderr)
-    _log_to_stderr(verbose)
+    jobs = _jobs(specs, _targets(specs, output), guess, force)
+    if not quiet:
+        for warning in dict.fromkeys(warning for spec in specs for warning in spec.warnings):
+            print(f"warning: {one_line(str(warning))}", file=sys.stderr)
+    logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.INFO if verbose else logging.WARNING)
     code = 0
     with _interruptible() as interrupted:
-        for spec, target in zip(specs, targets, strict=True):
-            solved = _solve_one(spec, target, guess, interrupted, json_, quiet, verbose)
-            code = max(code, 0 if solved else NOT_SOLVED)
+        for job in jobs:
+            solution = _run(job, interrupted, quiet, verbose)
+            _tell(job, json_, quiet)
             if interrupted():
-                code = INTERRUPTED
-                break
+                raise typer.Exit(INTERRUPTED)
+            code = code if solution.solved else NOT_SOLVED
     raise typer.Exit(code)
 
 
 def overrides(set_, method: str | None, segments: int | None, tol: float | None) -> list[str]:
-    """The shorthand options as overrides of the mesh schedule, after those of --set."""
-    return [
-        *set_,
-        *([f"mesh.*.method={method}"] if method is not None else []),
-        *([f"mesh.-1.segments={segments}"] if segments is not None else []),
-        *([f"mesh.-1.tolerance={tol!r}"] if tol is not None else []),
-    ]
+    """The short forms as overrides of the mesh schedule, after those of --set."""
+    values = (method, segments, tol)
+    return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]
 
 
-def _targets(specs, output: Path | None) -> list[Path]:
+@dataclass(frozen=True)
+class _Job:
+    spec: Spec
+    problem: Problem
+    target: Path
+    guess: list[Guess] | None
+
+
+def _targets(specs: list[Spec], output: str | None) -> list[Path]:
     """Where each result goes; two problems may not go to one file."""
     names = [Path(spec.file).stem + ".h5" for spec in specs]
-    if output is not None and len(specs) == 1 and not output.is_dir():
-        return [output]
-    if output is not None and not output.is_dir():
-        raise SpecError(Mistake("-o", f"{output} is no folder, but there are {len(specs)} problems", "create the folder"))
+    if output is not None and not Path(output).is_dir():
+        if len(specs) == 1 and not output.endswith(os.sep):
+            return [Path(output)]
+        reason = f"there are {len(specs)} problems" if len(specs) > 1 else "its name ends like that of a folder"
+        raise FileError(Mistake(f"-o {output}", f"this is no folder, but {reason}", "create the folder first"))
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise SpecError(Mistake("FILE", f"two of the problems would be written to {twice}", "solve them one by one with -o"))
-    return [(output or Path()) / name for name in names]
+        raise SpecError(Mistake(twice, "two of the problems would go to this file", "solve one of them with -o"))
+    return [Path(output or "") / name for name in names]
 
 
-def _solve_one(spec, target: Path, guess: Path | None, interrupted, as_json: bool, quiet: bool, verbose: bool) -> bool:
-    """Solve, write, print; returns whether it is solved."""
-    from .progress import live_line, print_iteration
+def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
+    """All that can go wrong with the files goes wrong here, before the first problem is solved."""
     from ..problems.build import build
     from ..results.restart import guess_from
+    from ..results.store import check_target
+
+    jobs = []
+    for spec, target in zip(specs, targets, strict=True):
+        check_target(target, spec.name, force)
+        problem = build(spec)
+        jobs.append(_Job(spec, problem, target, guess_from(guess, problem) if guess else None))
+    return jobs
+
+
+def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
+    """Solve and write the result."""
     from ..results.store import write
-    from ..results.summary import summarize
     from ..transcription.outcome import Status
     from ..transcription.solve import solve as run
     from ..transcription.solve import steps
+    from .progress import live_line, print_iteration
 
-    problem, schedule = build(spec), steps(spec.mesh)
+    spec, schedule = job.spec, steps(job.spec.mesh)
     accept = Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED
-    with live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
+    with native_output(2), live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        start = guess_from(guess, problem) if guess else None
-        solution = run(problem, schedule, spec.solver.options, start, progress, interrupted, accept)
-    write(target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
-    summary = summarize(target)
-    if as_json:
-        print(json.dumps(summary))
-    elif not quiet:
-        from .table import print_summary
+        solution = run(job.problem, schedule, spec.solver.options, job.guess, progress, interrupted, accept)
+    write(job.target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
+    return solution
 
+
+def _tell(job: _Job, as_json: bool, quiet: bool) -> None:
+    """Print what the result file holds; a failure also goes to standard error if the table is not seen there."""
+    from ..results.summary import summarize
+    from .table import causes, print_summary
+
+    summary = summarize(job.target)
+    if as_json:
+        print(json.dumps(summary), flush=True)
+    elif not quiet:
         print_summary(summary)
-    if not solution.solved:
-        cause = "; ".join(filter(None, [*summary["violations"][:1], summary["trouble"]]))
-        print(f"not solved: {spec.name}: {summary['message']}" + (f" ({cause})" if cause else ""), file=sys.stderr)
-    return solution.solved
+    if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):
+        why = "; ".join([summary["message"], *causes(summary)[:1], summary["remedy"]])
+        print(f"not solved: {one_line(summary['problem'])}: {one_line(why)}", file=sys.stderr)
 
 
 @contextmanager
-def _interruptible():
+def _interruptible() -> Iterator[Callable[[], bool]]:
     """A function that tells whether Ctrl-C (or a scheduler's SIGTERM) has come; a second one ends at once."""
     seen = []
 
@@ -134,6 +162,8 @@ def _interruptible():
         if seen:
             raise KeyboardInterrupt
         seen.append(number)
+        if sys.stderr.isatty():  # not print: the signal may have come in the middle of another one
+            os.write(2, b"\nstopping after this iteration; once more to stop at once, without a result\n")
 
     before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
@@ -141,7 +171,3 @@ def _interruptible():
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _log_to_stderr(verbose: bool) -> None:
-    logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.INFO if verbose else logging.WARNING)

@@ -66,7 +66,8 @@ def print_details(summary: dict[str, Any]) -> None:
         _print_phase(name, phase)
     print()
     columns = ("mesh", "method", "segments", "status", "objective", "max eta", "iterations", "seconds")
-    print_table(columns, [*map(_mesh_row, summary["meshes"])], right=[c for c in columns if c not in ("method", "status")])
+    right = [column for column in columns if column not in ("method", "status")]
+    print_table(columns, [_mesh_row(mesh) for mesh in summary["meshes"]], right)
 
 
 def _print_phase(name: str, phase: dict[str, Any]) -> None:

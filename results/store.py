@@ -126,12 +126,13 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     phase, sample = trajectory.phase, trajectory.dense
     _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
-    _write_curves(points, phase, trajectory.times, trajectory.x, trajectory.u, trajectory.point_costate)
-    time = _write_curves(dense, phase, sample.t, sample.x, sample.u, sample.costate)
+    costate = trajectory.point_costate
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate)
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=sample.costate)
     profiles = _group(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"
-        _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit)
+        _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
     segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "number of the segment, from 0")
     names = _scale(errors, "state", [state.name for state in phase.states], "state")
     _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
@@ -139,10 +140,10 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
 
 def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
     for parameter in problem.parameters:
-        _array(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", parameter.unit)
+        _array(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
 
 
-def _write_curves(group: h5py.Group, phase: Phase, t, x, u, costate) -> h5py.Dataset:
+def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
     """The scale of times t, shape (K,), and all curves over it: x and costate (n_x, K), u (n_u, K)."""
     time = _scale(group, "time", t, "time", phase.time_unit)
     n = len(phase.controls)
@@ -158,7 +159,7 @@ def _write_curves(group: h5py.Group, phase: Phase, t, x, u, costate) -> h5py.Dat
 def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
     curves = _group(group, kind)
     for variable, values in zip(variables, rows, strict=True):
-        _array(curves, variable.name, values, [time], f"{kind} {variable.name}", variable.unit)
+        _array(curves, variable.name, values, [time], f"{kind} {variable.name}", unit=variable.unit)
 
 
 def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
@@ -204,12 +205,12 @@ def _group(parent: h5py.Group, name: str) -> h5py.Group:
 
 
 def _scale(group: h5py.Group, name: str, values, long_name: str, unit: str = "") -> h5py.Dataset:
-    dataset = _array(group, name, values, [], long_name, unit)
+    dataset = _array(group, name, values, [], long_name, unit=unit)
     dataset.make_scale(name)
     return dataset
 
 
-def _array(group: h5py.Group, name: str, values, scales, long_name: str, unit: str = "") -> h5py.Dataset:
+def _array(group: h5py.Group, name: str, values, scales, long_name: str, *, unit: str = "") -> h5py.Dataset:
     """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
     dataset = group.create_dataset(name, data=values)
     dataset.attrs["long_name"] = long_name

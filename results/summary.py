@@ -28,7 +28,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
     )}  # fmt: skip
     solver = file["solver"].attrs
     seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
-    meshes = [_attributes(file["mesh"][str(k)]) for k in range(len(file["mesh"]))]
+    meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]
     return {
         "file": str(path),
         **head,

@@ -15,7 +15,7 @@ from . import ipopt
 from .transcribe import Transcription, transcribe
 from .compiler import CompiledNLP
 from .costate import costates
-from .diagnose import Violation, explain_non_finite, violations
+from .diagnose import Violation, diagnose
 from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
@@ -125,7 +125,7 @@ def _solve_mesh(problem, step: Step, options, guess, solved: Solved | None, prog
     errors = tuple(map(error_profile, phases))
     solution = Solution(
         problem, outcome.status, problem.sense * outcome.objective, phases, errors, (), outcome,
-        *_cause(transcription, nlp, outcome),
+        *diagnose(transcription, nlp, outcome),
     )  # fmt: skip
     seconds = {
         "build": built - began,
@@ -145,15 +145,6 @@ def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray,
     table = [(v.value, v.lb, v.ub) for v in transcription.variables]
     z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
     return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
-
-
-def _cause(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
-    """Why a solve failed: the constraints its last point violates, and the expression that could not be evaluated."""
-    if outcome.status is Status.SOLVED:
-        return (), ""
-    broken = outcome.failed if outcome.status is Status.INVALID_NUMBER or not len(outcome.iterations["mu"]) else None
-    trouble = explain_non_finite(transcription, nlp, broken) if broken else ""
-    return tuple(violations(transcription, nlp, outcome.z)), trouble
 
 
 def _record(step: Step, solution: Solution, nlp: CompiledNLP, seconds: Mapping[str, float]) -> MeshRecord:
