@@ -125,17 +125,23 @@ def _check_options(options) -> list[Mistake]:
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
     """A plain table on standard output, one line for each row; the columns named in `right` hold numbers.
 
-    Lines are cut to the width of a terminal; where there is none, they are as long as they are, for grep and awk.
+    A text in the last column is cut at the edge of a terminal; where there is none it is whole, for grep and awk.
     """
     cells = [columns, *([one_line(cell) for cell in row] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    for number, row in enumerate(cells):
-        aligned = [
+    lines = [
+        "  ".join(
             cell.rjust(width) if column in right else cell.ljust(width)
             for column, cell, width in zip(columns, row, widths, strict=True)
-        ]
-        line = _cut("  ".join(aligned).rstrip())
-        typer.secho(line, bold=number == 0)
+        ).rstrip()
+        for row in cells
+    ]
+    if sys.stdout.isatty() and columns[-1] not in right:
+        width = _width()
+        lines = [line if len(line) <= width else f"{line[: width - 3]}..." for line in lines]
+    typer.secho(lines[0], bold=True)
+    for line in lines[1:]:
+        print(line)
 
 
 def print_field(name: str, text: str) -> None:
@@ -153,11 +159,6 @@ def one_line(text: str) -> str:
 
 def plural(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}{'es' if noun.endswith('sh') else 's'}"
-
-
-def _cut(line: str) -> str:
-    width = _width() if sys.stdout.isatty() else len(line)
-    return line if len(line) <= width else line[: width - 3] + "..."
 
 
 def _width() -> int:

@@ -9,9 +9,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ..problems.syntax import shorten
 from .common import one_line
 
 SECONDS_BETWEEN = 0.1  # often enough to look alive, too seldom to cost anything
+NAME_WIDTH = 24
 
 
 @contextmanager
@@ -23,7 +25,7 @@ def live_line(name: str, meshes: int, wanted: bool) -> Iterator[Callable[[int, d
     if not (wanted and sys.stderr.isatty() and os.environ.get("TERM", "dumb") != "dumb"):
         yield None
         return
-    line = _Line(one_line(name), meshes)
+    line = _Line(shorten(one_line(name), NAME_WIDTH), meshes)
     line.write(f"{line.name}: building")
     try:
         yield line.show
@@ -40,8 +42,8 @@ class _Line:
     def show(self, mesh: int, record: dict) -> None:
         if time.monotonic() - self.written >= SECONDS_BETWEEN:
             self.write(
-                f"{self.name}: mesh {mesh + 1} of {self.meshes}, iteration {record['iteration']}, "
-                f"J = {record['objective']:.8g}, infeasibility {record['primal_infeasibility']:.1e}"
+                f"{self.name}: mesh {mesh + 1}/{self.meshes}, iteration {record['iteration']}, "
+                f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.1e}"
             )
 
     def write(self, text: str) -> None:

@@ -125,15 +125,16 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     """Solve and write the result."""
     from ..results.store import write
     from ..transcription.outcome import Status
+    from ..transcription.solve import Settings, steps
     from ..transcription.solve import solve as run
-    from ..transcription.solve import steps
     from .progress import live_line, print_iteration
 
     spec, schedule = job.spec, steps(job.spec.mesh)
     accept = Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED
+    settings = Settings(spec.solver.options, accept=accept)
     with native_output(2), live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        solution = run(job.problem, schedule, spec.solver.options, job.guess, progress, interrupted, accept)
+        solution = run(job.problem, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
     write(job.target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
     return solution
 

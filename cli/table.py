@@ -65,7 +65,7 @@ def print_details(summary: dict[str, Any]) -> None:
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
     print()
-    columns = ("mesh", "method", "segments", "status", "objective", "max eta", "iterations", "seconds")
+    columns = ("", "method", "segments", "status", "objective", "max eta", "iterations", "seconds")
     right = [column for column in columns if column not in ("method", "status")]
     print_table(columns, [_mesh_row(mesh) for mesh in summary["meshes"]], right)
 

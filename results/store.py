@@ -118,7 +118,7 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
         "command": command.encode(errors="backslashreplace").decode(),  # names of files may hold bytes that are no text
         "trajopt_version": version("trajopt"),
         "pyomo_version": version("pyomo"),
-        "ipopt_version": solution.outcome.solver["ipopt"],
+        "ipopt_version": solution.outcome.solver.get("ipopt", ""),  # none for another engine
     })
 
 
@@ -126,9 +126,9 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     phase, sample = trajectory.phase, trajectory.dense
     _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
-    costate = trajectory.point_costate
+    costate = [] if trajectory.costate is None else trajectory.point_costate
     _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate)
-    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=sample.costate)
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=[] if sample.costate is None else sample.costate)
     profiles = _group(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"
@@ -144,14 +144,14 @@ def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, 
 
 
 def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
-    """The scale of times t, shape (K,), and all curves over it: x and costate (n_x, K), u (n_u, K)."""
+    """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
     time = _scale(group, "time", t, "time", phase.time_unit)
     n = len(phase.controls)
     _write_kind(group, "state", phase.states, x, time)
     _write_kind(group, "control", phase.controls, u[:n], time)
     _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
     duals = _group(group, "costate")
-    for state, values in zip(phase.states, costate, strict=True):
+    for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
         _array(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
     return time
 

@@ -8,7 +8,7 @@ from exact import GROWTH_OBJECTIVE, growth, growth_control, growth_costate, grow
 
 from trajopt.transcription.outcome import Status
 from trajopt.transcription.schemes import COLLOCATION
-from trajopt.transcription.solve import Step, solve
+from trajopt.transcription.solve import Settings, Step, solve
 
 METHODS = pytest.mark.parametrize("method", COLLOCATION)
 SEGMENTS = (5, 10, 20, 40)
@@ -16,7 +16,7 @@ SEGMENTS = (5, 10, 20, 40)
 
 @cache
 def solved(method: str, segments: int):
-    solution = solve(growth(), [Step(method, segments, 1e-13)], {"acceptable_iter": 0})
+    solution = solve(growth(), [Step(method, segments, 1e-13)], Settings({"acceptable_iter": 0}))
     assert solution.status is Status.SOLVED
     return solution
 

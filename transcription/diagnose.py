@@ -52,7 +52,7 @@ class Violation:
 
 
 def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
-    """The constraints that the last iterate violates, worst first, and what explains the failure ("" if nothing does)."""
+    """The constraints that the last iterate violates, worst first, and what explains the failure, or ""."""
     if outcome.status in (Status.SOLVED, Status.FEASIBLE):
         return (), ""
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
@@ -119,7 +119,7 @@ def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) 
     if not parts or not limit:
         return ""
     more = [f"and {len(parts) - LISTED} more"] if len(parts) > LISTED else []
-    return f"in conflict: {', '.join([*parts[:LISTED], *more])}"
+    return f"these cannot all hold: {', '.join([*parts[:LISTED], *more])}"
 
 
 def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, phases, *, limit) -> Iterator[str]:
@@ -140,15 +140,16 @@ def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory
     phase, mesh, ends = layout.phase, layout.mesh, []
     variables = (*phase.states, *phase.inputs)
     for variable, places in zip(variables, (*layout.x, *layout.u), strict=True):
-        for side, multipliers in (("lower", outcome.z_lower), ("upper", outcome.z_upper)):
-            force = np.where(places >= 0, np.abs(multipliers[places]), 0.0)
-            if variable in phase.states:
-                ends += [f"the {e} value of {variable.name}" for e, k in (("initial", 0), ("final", -1)) if force[k] > limit]
-                force[[0, -1]] = 0.0
+        sides = np.where(places >= 0, np.abs([outcome.z_lower[places], outcome.z_upper[places]]), 0.0)
+        if variable in phase.states:
+            fixed = sides[:, [0, -1]].max(axis=0) > limit
+            ends += [f"the {end} value of {variable.name}" for end in np.array(["initial", "final"])[fixed]]
+            sides[:, [0, -1]] = 0.0
+        for side, force in zip(("lower", "upper"), sides, strict=True):
             s = mesh.fractions[force / mesh.weights > limit]
             if len(s):
                 yield f"the {side} bound of {variable.name}{_when(*_times(trajectory, s[[0, -1]]))}"
-    yield from dict.fromkeys(ends)
+    yield from ends
 
 
 def _count(transcription: Transcription, nlp: CompiledNLP) -> str:

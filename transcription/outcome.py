@@ -18,11 +18,13 @@ class Status(Enum):
         "look at the error estimate; scale the problem or refine the mesh, or say 'solver: {accept: acceptable}'")
     INFEASIBLE = (
         2, "the constraints contradict each other near this point",
-        "look at the constraint named as most violated: relax it, or start from a guess that satisfies it")
+        "relax one of the constraints named, or start from a guess nearer to satisfying them")
     STALLED = (
         3, "the search directions became too small",
         "the problem is badly scaled or not smooth here; rescale it, or loosen the tolerance")
-    DIVERGING = (4, "the iterates run to infinity", "add bounds to the states and controls, or check the objective's sign")
+    DIVERGING = (
+        4, "the iterates run to infinity",
+        "add bounds to the states and controls, or check the sign of the objective")
     INTERRUPTED = (5, "interrupted; this is the last iterate", "run it again, or start from this result as the guess")
     FEASIBLE = (6, "found a feasible point of a problem without freedom left to optimise", "")
     MAX_ITERATIONS = (
@@ -30,10 +32,10 @@ class Status(Enum):
         "raise 'solver: {max_iter: ...}', give a better guess, or start on a coarser mesh")
     RESTORATION_FAILED = (
         -2, "could not become more feasible from here",
-        "look at the constraint named as most violated; give a better guess or a coarser first mesh")
+        "look at the constraints named; give a better guess, or a coarser first mesh")
     STEP_FAILED = (
         -3, "no search direction could be computed",
-        "two constraints probably say the same thing; remove one of them, or give a better guess")
+        "if no cause is named, two constraints probably say the same thing: remove one, or give a better guess")
     MAX_CPU_TIME = (-4, "ran out of CPU time", "raise 'solver: {max_cpu_time: ...}' or use a coarser mesh")
     MAX_WALL_TIME = (-5, "ran out of time", "raise 'solver: {max_wall_time: ...}' or use a coarser mesh")
     OVERDETERMINED = (
@@ -43,7 +45,7 @@ class Status(Enum):
     INVALID_OPTION = (-12, "IPOPT refused an option", "check the 'solver:' section")
     INVALID_NUMBER = (
         -13, "a function had no finite value where IPOPT had to have one",
-        "see the expression named below; bound its variables away from that point, or change the guess")
+        "bound the variables of the expression named away from that point, or change the guess")
     NO_MEMORY = (-102, "ran out of memory", "use fewer segments")
     FAILED = (-199, "IPOPT failed inside", "try another 'solver: {linear_solver: ...}' or report it")
 

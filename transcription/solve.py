@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -82,33 +82,58 @@ class Solution:
         return max(error.max_eta for error in self.errors)
 
 
+ENGINES = ("ipopt", "newton")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to solve: the engine, its options, and whether IPOPT's looser tolerance counts as solved (ACCEPTABLE)."""
+
+    options: Mapping[str, object] = field(default_factory=dict)
+    engine: str = "ipopt"
+    accept: Status = Status.SOLVED
+
+    def run(self) -> Callable[..., Outcome]:
+        """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
+        if self.engine == "ipopt":
+            return ipopt.solve
+        from . import newton
+
+        return newton.solve
+
+
 def solve(
-    problem: Problem,
+    problem: Problem | Sequence[Problem],
     schedule: Sequence[Step],
-    options: Mapping[str, object] | None = None,
+    settings: Settings = Settings(),
+    *,
     guess: Sequence | None = None,
     progress: Callable[[int, dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
-    accept: Status = Status.SOLVED,
 ) -> Solution:
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
-    guess: one for each phase, over the problem's own. progress: called with the number of the mesh and IPOPT's record
-    of each iteration. stop: asked at each iteration; true ends the solve and keeps the last iterate. accept: ACCEPTABLE
-    counts a point of IPOPT's looser tolerance as solved. A failed solve ends the schedule and is told by the status.
+    problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
+    the problem's own. progress: called with the number of the mesh and the engine's record of each iteration. stop: asked
+    at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is told by
+    the status.
     """
+    problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     history, solved = [], None
-    for number, step in enumerate(schedule):
+    for number, (problem, step) in enumerate(zip(problems, schedule, strict=True)):
         report = partial(progress, number) if progress else None
-        solution, solved = _solve_mesh(problem, step, options or {}, guess, solved, report, stop)
+        solution, solved = _solve_mesh(problem, step, settings, guess, solved, progress=report, stop=stop)
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
         guess = solution.trajectories
-    return replace(solution, meshes=tuple(history), accept=accept)
+    return replace(solution, meshes=tuple(history), accept=settings.accept)
 
 
-def _solve_mesh(problem, step: Step, options, guess, solved: Solved | None, progress, stop) -> tuple[Solution, Solved]:
+@np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
+def _solve_mesh(
+    problem: Problem, step: Step, settings: Settings, guess, solved: Solved | None, **callbacks
+) -> tuple[Solution, Solved]:
     began = time.perf_counter()
     transcription = transcribe(problem, [step.mesh() for _ in problem.phases], guess)
     built = time.perf_counter()
@@ -116,7 +141,8 @@ def _solve_mesh(problem, step: Step, options, guess, solved: Solved | None, prog
     compiled = time.perf_counter()
     z, lower, upper = bounded_start(transcription)
     start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
-    outcome = ipopt.solve(nlp, z, lower, upper, {"tol": step.tolerance, **options}, start, progress, stop)
+    options = {"tol": step.tolerance, **settings.options}
+    outcome = settings.run()(nlp, z, lower, upper, options, start=start, **callbacks)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
     if all(isinstance(phase.mesh.scheme, Scheme) for phase in phases):

@@ -1,0 +1,21 @@
+"""Models in Python: dynamics too long for a problem file. `find` imports a model when it is asked for, not before."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from ..errors import Mistake, SpecError
+from ..syntax import nearest
+from .model import Model
+
+MODELS = {"five_link_biped": "five_link_biped"}
+"""Name of each shipped model -> its module here, which holds it as MODEL."""
+
+
+def find(name: str) -> Model:
+    """The shipped model of that name. Raises SpecError, with the name most like it, if there is none."""
+    if name not in MODELS:
+        close = nearest(name, MODELS)
+        hint = f"did you mean {close}? " if close else ""
+        raise SpecError(Mistake("model", f'there is no model "{name}"', f"{hint}the models are {', '.join(MODELS)}"))
+    return import_module(f".{MODELS[name]}", __package__).MODEL
