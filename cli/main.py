@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import files, inspect
+from . import files, inspect, verify
 from .solve import solve
 
 app = typer.Typer(
@@ -21,7 +21,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, files.check, inspect.show, inspect.schema, inspect.list_, inspect.methods, files.export, files.init,
+    solve, files.check, inspect.show, inspect.schema, inspect.list_, inspect.methods, verify.verify, files.export, files.init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

@@ -13,7 +13,7 @@ from ..problems.syntax import shorten
 from .common import one_line
 
 SECONDS_BETWEEN = 0.1  # often enough to look alive, too seldom to cost anything
-NAME_WIDTH = 24
+NAME_WIDTH = 20
 
 
 @contextmanager
@@ -43,7 +43,7 @@ class _Line:
         if time.monotonic() - self.written >= SECONDS_BETWEEN:
             self.write(
                 f"{self.name}: mesh {mesh + 1}/{self.meshes}, iteration {record['iteration']}, "
-                f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.1e}"
+                f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.0e}"
             )
 
     def write(self, text: str) -> None:

@@ -17,8 +17,13 @@ def check_writable(path: Path, force: bool = True) -> None:
         raise FileError(Mistake(str(path), "its folder does not exist", f"create {path.parent} or choose another name"))
     if path.is_dir():
         raise FileError(Mistake(str(path), "it is a folder", "give the name of a file"))
-    if not os.access(path.parent, os.W_OK):
-        raise FileError(Mistake(str(path), "its folder cannot be written", "choose another folder"))
+    if path.exists() and not path.is_file():
+        raise FileError(Mistake(str(path), "it is no ordinary file", "give the name of a file"))
+    try:
+        tempfile.TemporaryFile(dir=path.parent).close()
+    except OSError as error:
+        what = f"its folder cannot be written ({error.strerror})"
+        raise FileError(Mistake(str(path), what, "choose another folder")) from error
     if path.exists() and not force:
         raise FileError(Mistake(str(path), "the file exists", "choose another name, or replace it with --force"))
 

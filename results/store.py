@@ -85,8 +85,11 @@ def open_result(path: Path) -> Iterator[h5py.File]:
 
 
 def write(path: Path, solution: Solution, spec_text: str, spec_full: str, command: str) -> None:
-    """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError."""
-    with replacing(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
+    """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError.
+
+    HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
+    """
+    with h5py.File(path.name, "w", driver="core", backing_store=False, track_order=True) as file:
         _write_head(file, solution, command)
         spec = _group(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
@@ -99,6 +102,10 @@ def write(path: Path, solution: Solution, spec_text: str, spec_full: str, comman
         for number, record in enumerate(solution.meshes):
             _write_mesh(_group(meshes, str(number)), record)
         _write_solver(_group(file, "solver"), solution)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
 
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
@@ -126,9 +133,9 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     phase, sample = trajectory.phase, trajectory.dense
     _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
-    costate = [] if trajectory.costate is None else trajectory.point_costate
-    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate)
-    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=[] if sample.costate is None else sample.costate)
+    costates = ([], []) if trajectory.costate is None else (trajectory.point_costate, sample.costate)
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costates[0])
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=costates[1])
     profiles = _group(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"

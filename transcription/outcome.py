@@ -25,7 +25,7 @@ class Status(Enum):
     DIVERGING = (
         4, "the iterates run to infinity",
         "add bounds to the states and controls, or check the sign of the objective")
-    INTERRUPTED = (5, "interrupted; this is the last iterate", "run it again, or start from this result as the guess")
+    INTERRUPTED = (5, "interrupted; this is the last iterate", "go on from this result with --guess, or run it again")
     FEASIBLE = (6, "found a feasible point of a problem without freedom left to optimise", "")
     MAX_ITERATIONS = (
         -1, "ran out of iterations",

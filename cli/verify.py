@@ -1,0 +1,41 @@
+"""`trajopt verify`: is a result what it says?"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .common import NOT_SOLVED, command, print_table
+
+
+@command
+def verify(
+    results: Annotated[list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.")],
+    tol: Annotated[float, typer.Option("--tol", min=0, help="Largest relative error that passes.")] = 5e-2,
+    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each result.")] = False,
+) -> None:
+    """Simulate the found control, check optimality and constraints, compare with the reference.
+
+    Exit code 1 if a check fails.
+
+    Example: trajopt verify cartpole.h5 --tol 1e-3
+    """
+    from ..results.verify import verify as run
+
+    passed = True
+    for path in results:
+        checks = run(path, tol)
+        passed &= all(check.passed for check in checks)
+        if json_:
+            lines = [{**vars(check), "passed": check.passed} for check in checks]
+            print(json.dumps({"file": str(path), "passed": all(check.passed for check in checks), "checks": lines}))
+            continue
+        rows = [
+            ("pass" if c.passed else "FAIL", c.name, f"{c.value:.2e}", f"{c.limit:.1e}", c.where) for c in checks
+        ]
+        print_table((str(path), "check", "value", "limit", "where"), rows, right=("value", "limit"))
+    if not passed:
+        raise typer.Exit(NOT_SOLVED)

@@ -1,0 +1,60 @@
+"""A result file -> the problem it solved and its trajectories, as they were in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..problems.build import build
+from ..problems.load import load_text
+from ..problems.problem import Problem
+from ..problems.spec import Spec
+from ..transcription.compiler import CompiledNLP
+from ..transcription.costate import costates
+from ..transcription.mesh import Mesh
+from ..transcription.outcome import Outcome, Status
+from ..transcription.schemes import Scheme, find
+from ..transcription.trajectory import Trajectory, trajectories
+from ..transcription.transcribe import Transcription, transcribe
+from .store import open_result
+
+
+@dataclass(frozen=True)
+class Reloaded:
+    """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers."""
+
+    spec: Spec
+    problem: Problem
+    transcription: Transcription
+    nlp: CompiledNLP
+    outcome: Outcome
+    trajectories: tuple[Trajectory, ...]
+    solved: bool
+
+
+def reload(path: Path) -> Reloaded:
+    """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
+    with open_result(path) as file:
+        full = file["spec/full"].asstr()[()]
+        last = file["mesh"][str(len(file["mesh"]) - 1)]
+        mesh = Mesh(find(last.attrs["method"]), np.diff(last["edges"][:]))
+        solver = file["solver"]
+        outcome = Outcome(
+            status=Status[file.attrs["status"].upper()],
+            **{name: solver[name][:] for name in ("z", "y", "z_lower", "z_upper")},
+            objective=float(file.attrs["objective"]),
+            iterations={},
+            seconds=0.0,
+        )
+        solved = bool(file.attrs["solved"])
+    spec = load_text(full, str(path))
+    problem = build(spec)
+    transcription = transcribe(problem, [mesh] * len(problem.phases))
+    nlp = CompiledNLP(transcription.model, transcription.variables)
+    phases = trajectories(transcription, outcome.z)
+    if isinstance(mesh.scheme, Scheme):
+        lambdas = costates(transcription, nlp, outcome)
+        phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
+    return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved)

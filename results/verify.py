@@ -1,0 +1,213 @@
+"""An independent look at a result: does the control really do what the trajectory says, and is it optimal?
+
+Dynamics      The stored control is integrated forward from the stored initial state (SciPy's DOP853, restarted at every
+              knot), and compared with the stored states.
+Optimality    With lambda the costate and nu, kappa the multiplier functions of path constraints and residuals,
+
+                  L = w + lambda f + nu g + kappa r                        (B.7), extended
+
+              has dL/du = 0 where u is inside its bounds, points into the bound where it is on one, and H = w + lambda f
+              changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on t.
+Constraints   Bounds and path constraints, on a grid between the collocation points.
+Reference     The objective beside the problem file's own reference.
+
+Derivatives are taken by the complex step, so nothing here shares code with the derivatives that the solver used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..problems.problem import Phase, Range
+from ..transcription.implicit import consistent_inputs
+from ..transcription.trajectory import Trajectory
+from .reload import Reloaded, reload
+
+RTOL, ATOL = 1e-10, 1e-12
+COMPLEX_STEP = 1e-30
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verdict: a measure, relative where the name says so, and the largest value that passes."""
+
+    name: str
+    value: float
+    limit: float
+    where: str = ""
+
+    @property
+    def passed(self) -> bool:
+        return bool(self.value <= self.limit)  # False for NaN
+
+
+def verify(path: Path, tolerance: float = 5e-2) -> list[Check]:
+    """All checks of a result file; `tolerance` is the relative error that passes. Raises FileError for a foreign file."""
+    result = reload(path)
+    checks = [Check("solver status", 0.0 if result.solved else 1.0, 0.0, result.outcome.status.message)]
+    for number, trajectory in enumerate(result.trajectories):
+        checks += _simulation(trajectory, tolerance)
+        checks += _between_points(trajectory, tolerance)
+        if trajectory.costate is not None:
+            checks += _optimality(result, number, tolerance)
+    if reference := result.spec.reference:
+        difference = abs(result.outcome.objective - reference.objective)
+        checks.append(Check("objective, difference from the reference", difference, reference.tolerance, reference.source))
+    return checks
+
+
+def _simulation(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
+    stored = trajectory.x[:, :: trajectory.mesh.degree]
+    simulated = simulate(trajectory)
+    scale = np.ptp(trajectory.dense.x, axis=1)
+    scale[scale == 0] = 1.0
+    for i, state in enumerate(trajectory.phase.states):
+        deviation = np.abs(simulated[i] - stored[i]) / scale[i]
+        k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
+        yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, _at(trajectory.knots[k]))
+
+
+def simulate(trajectory: Trajectory) -> np.ndarray:
+    """States at the knots, shape (n_x, N + 1), by integrating the trajectory's control from its initial state.
+
+    NaN from the knot on at which the integration fails.
+    """
+    from scipy.integrate import solve_ivp
+
+    phase, p = trajectory.phase, trajectory.parameters
+    x = np.full((len(phase.states), trajectory.mesh.segments + 1), np.nan)
+    x[:, 0] = trajectory.x[:, 0]
+    for segment, (start, end) in enumerate(zip(trajectory.knots[:-1], trajectory.knots[1:], strict=True)):
+        which = np.array([segment])
+
+        def rate(t, x, which=which, start=start, h=end - start):
+            u = trajectory.evaluate(which, np.array([(t - start) / h])).u
+            t, x = np.array([t]), x[:, None]
+            return phase.dynamics(t, x, consistent_inputs(phase, t, x, u, p), p)[:, 0]
+
+        step = solve_ivp(rate, (start, end), x[:, segment], method="DOP853", rtol=RTOL, atol=ATOL)
+        if not step.success or not np.isfinite(step.y[:, -1]).all():
+            break
+        x[:, segment + 1] = step.y[:, -1]
+    return x
+
+
+def _between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
+    """Bounds and path constraints on the dense grid, relative to 1 + |bound|."""
+    phase, sample = trajectory.phase, trajectory.dense
+    values = phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    for variable in (*phase.states, *phase.inputs):
+        if variable.bounds != Range():
+            yield _violation(f"bounds of {variable.name}", values[variable.name], variable.bounds, sample.t, tolerance)
+    for constraint in phase.path:
+        g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
+        yield _violation(f"path constraint '{constraint.name}'", g, constraint.bounds, sample.t, tolerance)
+
+
+def _violation(name: str, g: np.ndarray, bounds: Range, t: np.ndarray, tolerance: float) -> Check:
+    below = (bounds.lower - g) / (1 + abs(bounds.lower)) if np.isfinite(bounds.lower) else np.zeros_like(g)
+    above = (g - bounds.upper) / (1 + abs(bounds.upper)) if np.isfinite(bounds.upper) else np.zeros_like(g)
+    excess = np.maximum(np.maximum(below, above), 0.0)
+    k = int(np.argmax(np.nan_to_num(excess, nan=np.inf)))
+    return Check(f"{name} between the points", float(excess[k]), tolerance, _at(t[k]) if excess[k] > 0 else "")
+
+
+# -- optimality -----------------------------------------------------------------------------------------------------
+
+
+class _Hamiltonian:
+    """w, f, g, r of one phase along the collocation points, with their multipliers for the minimised objective."""
+
+    def __init__(self, result: Reloaded, number: int):
+        self.trajectory, self.sense = result.trajectories[number], result.problem.sense
+        self.phase: Phase = self.trajectory.phase
+        mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
+        self.points = np.unique(mesh.collocated)
+        self.costate = self.sense * self.trajectory.point_costate[:, self.points]
+        self.multipliers = {}
+        for family in result.transcription.families:
+            if family.phase == self.phase.name and family.kind in ("path", "residual"):
+                y = result.outcome.y[result.nlp.rows(family.component)] / (family.weights * duration)
+                row = self.multipliers.setdefault((family.kind, family.name), np.zeros(len(mesh.fractions)))
+                row[np.searchsorted(mesh.fractions, family.span[:, 0] - 1e-14)] = y
+
+    def values(self) -> dict:
+        t, x, u = (a[..., self.points] for a in (self.trajectory.times, self.trajectory.x, self.trajectory.u))
+        return self.phase.values(t, x, u, self.trajectory.parameters)
+
+    def hamiltonian(self, values: dict) -> np.ndarray:
+        """H = w + lambda f, (B.7)."""
+        phase = self.phase
+        w = self.sense * phase.lagrange(values, np) if phase.lagrange else 0.0
+        return w + sum(l * state.rate(values, np) for l, state in zip(self.costate, phase.states, strict=True))
+
+    def lagrangian(self, values: dict) -> np.ndarray:
+        """L = H + nu g + kappa r."""
+        terms = [("path", c) for c in self.phase.path] + [("residual", c) for c in self.phase.residuals]
+        weighted = (self.multipliers[kind, c.name][self.points] * c.function(values, np) for kind, c in terms)
+        return self.hamiltonian(values) + sum(weighted)
+
+    def derivative(self, function, values: dict, name: str) -> np.ndarray:
+        """Of a function of the values by one of them, by the complex step."""
+        shifted = {**values, name: values[name] + COMPLEX_STEP * 1j}
+        return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
+
+
+def _optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Check]:
+    hamiltonian = _Hamiltonian(result, number)
+    values = hamiltonian.values()
+    t = values["t"]
+    yield _hamiltonian_drift(hamiltonian, values, t, tolerance)
+    for variable in hamiltonian.phase.inputs:
+        gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
+        residual = _pointing_out(gradient, values[variable.name], variable.bounds)
+        scale = _scale(hamiltonian, values, variable.name)
+        k = int(np.argmax(residual))
+        name = f"stationarity dH/d{variable.name}, relative"
+        yield Check(name, float(residual[k] / scale), tolerance, _at(t[k]))
+
+
+def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
+    """H(t) - H(t_0) - integral of dH/dt, relative to the largest of its terms."""
+    H = hamiltonian.hamiltonian(values)
+    explicit = hamiltonian.derivative(hamiltonian.hamiltonian, values, "t")
+    drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
+    drift -= (drift.max() + drift.min()) / 2
+    rates = [np.abs(l * state.rate(values, np)) for l, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)]
+    scale = max(float(np.max(term)) for term in (*rates, np.abs(H))) or 1.0
+    k = int(np.argmax(np.abs(drift)))
+    return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, _at(t[k]))
+
+
+def _pointing_out(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.ndarray:
+    """|dL/du| where it could be lowered: inside the bounds always, on a bound if the gradient points inward."""
+    width = bounds.upper - bounds.lower if np.isfinite(bounds.lower) and np.isfinite(bounds.upper) else 1.0
+    near = 1e-6 * max(width, 1e-6)
+    residual = np.abs(gradient)
+    residual = np.where((u <= bounds.lower + near) & (gradient > 0), 0.0, residual)
+    return np.where((u >= bounds.upper - near) & (gradient < 0), 0.0, residual)
+
+
+def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
+    """The largest term of dL/du along the trajectory: what its zero is the balance of."""
+    phase = hamiltonian.phase
+    terms = [(l, s.rate) for l, s in zip(hamiltonian.costate, phase.states, strict=True)]
+    terms += [(1.0, phase.lagrange)] if phase.lagrange else []
+    terms += [
+        (hamiltonian.multipliers[kind, c.name][hamiltonian.points], c.function)
+        for kind, group in (("path", phase.path), ("residual", phase.residuals))
+        for c in group
+    ]
+    sizes = [
+        np.abs(weight * hamiltonian.derivative(lambda v, f=function: f(v, np), values, name)).max()
+        for weight, function in terms
+    ]
+    return float(max(sizes)) or 1.0
+
+
+def _at(t: float) -> str:
+    return f"t = {t:.4g}"

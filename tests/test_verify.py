@@ -1,0 +1,118 @@
+"""The independent audit of a result: passes what is right, and sees what is wrong."""
+
+import h5py
+import numpy as np
+import pytest
+from exact import growth, growth_state
+
+from trajopt.problems.build import build
+from trajopt.problems.catalog import shipped
+from trajopt.problems.load import load
+from trajopt.results.reload import reload
+from trajopt.results.store import write
+from trajopt.results.verify import simulate, verify
+from trajopt.transcription.solve import Settings, Step, solve, steps
+
+
+def stored(folder, name, *overrides):
+    """The result file of a shipped problem."""
+    spec = load(shipped()[name], overrides)
+    solution = solve(build(spec), steps(spec.mesh), Settings(spec.solver.options))
+    write(folder / "result.h5", solution, spec.text, spec.model_dump_json(), "test")
+    return folder / "result.h5", solution
+
+
+def by_name(checks):
+    return {check.name: check for check in checks}
+
+
+@pytest.mark.parametrize("name", ["block_move_min_force", "brachistochrone", "bryson_denham", "shot_put"])
+def test_exact_solutions_pass_a_tight_tolerance(tmp_path, name):
+    path, _ = stored(tmp_path, name)
+    failed = [check for check in verify(path, 1e-3) if not check.passed]
+    assert not failed
+
+
+def test_the_swing_up_passes_at_the_default_and_not_below_its_error(tmp_path):
+    path, _ = stored(tmp_path, "cartpole")
+    assert all(check.passed for check in verify(path))
+    failed = {check.name for check in verify(path, 1e-4) if not check.passed}
+    assert "simulated v2, relative to its range" in failed
+    assert "Hamiltonian along the trajectory, relative" in failed
+
+
+def test_optimality_residuals_shrink_with_the_mesh(tmp_path):
+    residuals = []
+    for segments in (25, 100):
+        path, _ = stored(tmp_path, "cartpole", f"mesh.0.segments={segments}")
+        checks = by_name(verify(path))
+        residuals.append([checks[name].value for name in checks if "Hamiltonian" in name or "stationarity" in name])
+    coarse, fine = np.array(residuals)
+    assert (fine < coarse / 4).all()
+
+
+def test_reloading_gives_the_same_trajectories(tmp_path):
+    path, solution = stored(tmp_path, "cartpole", "mesh.*.method=hermite-simpson-compressed", "parameters.u_max=15")
+    again = reload(path)
+    for new, old in zip(again.trajectories, solution.trajectories, strict=True):
+        assert new.x == pytest.approx(old.x, abs=1e-15)
+        assert new.u == pytest.approx(old.u, abs=1e-15)
+        assert new.costate == pytest.approx(old.costate, abs=1e-9)
+    assert again.problem.phases[0].controls[0].bounds.upper == 15
+
+
+def test_a_control_that_does_something_else_fails(tmp_path):
+    path, solution = stored(tmp_path, "block_move_min_force")
+    with h5py.File(path, "r+") as file:
+        z = file["solver/z"]
+        z[2::3] = z[2::3] * 1.2  # x, v, u at each point
+    checks = by_name(verify(path))
+    assert not checks["simulated x, relative to its range"].passed
+    assert not checks["stationarity dH/du, relative"].passed
+
+
+def test_a_feasible_control_that_is_not_optimal_fails(tmp_path):
+    path, _ = stored(tmp_path, "block_move_min_force", "solver.max_iter=1")
+    checks = by_name(verify(path))
+    assert not checks["solver status"].passed
+
+
+def test_a_path_constraint_crossed_between_the_points_is_seen(tmp_path):
+    path, _ = stored(tmp_path, "bryson_denham", "mesh.0.segments=4", "mesh.*.method=trapezoid")
+    checks = by_name(verify(path, 1e-3))
+    crossed = checks["path constraint 'displacement limit' between the points"]
+    assert not crossed.passed
+    assert crossed.where.startswith("t = ")
+
+
+def test_a_wrong_reference_fails(tmp_path):
+    path, _ = stored(tmp_path, "block_move_min_force", "reference.objective=12.1")
+    assert not by_name(verify(path))["objective, difference from the reference"].passed
+
+
+def test_simulation_against_an_exact_solution():
+    solution = solve(growth(), [Step("hermite-simpson", 40, 1e-12)])
+    (trajectory,) = solution.trajectories
+    assert simulate(trajectory)[0] == pytest.approx(growth_state(trajectory.knots), abs=1e-6)
+
+
+def test_implicit_dynamics_are_simulated_by_solving_the_residuals(tmp_path):
+    text = """
+trajopt: 1
+name: implicit
+time: {initial: 0, final: 1}
+states:
+  x: {rate: v, initial: 0, final: 1}
+  v: {initial: 0, final: 0}
+controls: {u: {}}
+residuals: ["2*v[rate] + v[rate]**3 - u"]
+objective: {minimize: {integral: u**2}}
+mesh: [{method: hermite-simpson, segments: 20}]
+"""
+    (tmp_path / "implicit.yaml").write_text(text)
+    spec = load(tmp_path / "implicit.yaml")
+    solution = solve(build(spec), steps(spec.mesh))
+    write(tmp_path / "result.h5", solution, spec.text, spec.model_dump_json(), "test")
+    assert solution.solved
+    assert solution.max_eta > 0
+    assert not [check for check in verify(tmp_path / "result.h5", 1e-2) if not check.passed]
