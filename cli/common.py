@@ -98,12 +98,12 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     """
     from ..problems.catalog import find
     from ..problems.load import load
-    from ..transcription.schemes import TABLE
+    from ..transcription.schemes import METHODS
 
     specs, mistakes = [], []
     for name in files:
         try:
-            spec = load(find(name), overrides, tuple(TABLE))
+            spec = load(find(name), overrides, tuple(METHODS))
             mistakes += spec.locate(_check_options(spec.solver.options))
             specs.append(spec)
         except SpecError as error:

@@ -63,12 +63,10 @@ def methods() -> None:
 
     Example: trajopt methods
     """
-    from ..transcription.schemes import TABLE
+    from ..transcription.schemes import METHODS
 
-    rows = [
-        (s.name, s.family, str(s.order), s.state_interpolant, s.control_interpolant, s.source) for s in TABLE.values()
-    ]
-    print_table(("method", "family", "order", "state", "control", "source"), rows)
+    rows = [(m.name, m.family, m.order, m.ends, m.state, m.control, m.source) for m in METHODS.values()]
+    print_table(("method", "family", "order", "ends collocated", "state", "control", "source"), rows)
 
 
 @command
@@ -80,6 +78,6 @@ def schema() -> None:
     Editors and validators use it to complete and check a file while it is written.
     """
     from ..problems.spec import schema as json_schema
-    from ..transcription.schemes import TABLE
+    from ..transcription.schemes import METHODS
 
-    print(json.dumps(json_schema(tuple(TABLE)), indent=2))
+    print(json.dumps(json_schema(tuple(METHODS)), indent=2))

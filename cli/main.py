@@ -21,7 +21,8 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, files.check, inspect.show, inspect.schema, inspect.list_, inspect.methods, verify.verify, files.export, files.init,
+    solve, files.check, inspect.show, verify.verify,
+    inspect.list_, inspect.methods, inspect.schema, files.export, files.init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 
@@ -45,3 +46,7 @@ def options(
 
 def main() -> None:
     app()
+
+
+if __name__ == "__main__":
+    main()

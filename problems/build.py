@@ -2,78 +2,136 @@
 
 from __future__ import annotations
 
-import re
+from dataclasses import dataclass
 
+from .dynamics import Declared, DeclaredState
+from .expressions import Expression
 from .guess import initial_guess
-from .problem import Constraint, Phase, Problem, Range, State, Variable
+from .nonsmooth import Consistent, consistent
+from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .spec import Spec
-from .symbols import Symbols, constraints
+from .symbols import Symbols
+from .uses import constraint_names, constraints, residual_names
+from .yamltext import Path
 
-MAX_NAME = 40
-
-
-def build(spec: Spec) -> Problem:
-    """The continuous problem that a loaded spec states."""
-    symbols = Symbols(spec)
-    statics = tuple(Variable(name, p.unit, symbols.range(p)) for name, p in spec.optimize.items())
-    sense = 1 if spec.objective.minimize else -1
-    return Problem(name=spec.name, sense=sense, phases=(_phase(spec, symbols),), parameters=statics)
+ZERO = Range(0.0, 0.0)
 
 
-def _phase(spec: Spec, symbols: Symbols) -> Phase:
-    times = symbols.range(spec.time.initial), symbols.range(spec.time.final)
-    states = tuple(_state(name, state, symbols) for name, state in spec.states.items())
-    controls = tuple(Variable(name, c.unit, symbols.range(c)) for name, c in spec.controls.items())
-    terms = spec.objective.terms
-    return Phase(
-        name="main",
-        initial_time=times[0],
-        final_time=times[1],
-        states=states,
-        controls=controls,
-        guess=initial_guess(spec, symbols, states, controls, times),
-        lagrange=symbols.function(terms.integral) if terms.integral else None,
-        mayer=symbols.function(terms.terminal) if terms.terminal else None,
-        time_unit=spec.time.unit,
-        **_constraints(spec, symbols),
-    )
+def build(spec: Spec, mesh: int = -1) -> Problem:
+    """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
+
+    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
+    """
+    return _Builder(spec, mesh).problem()
 
 
-def _state(name, state, symbols: Symbols) -> State:
-    bounds = symbols.range(state)
-    return State(
-        name=name,
-        unit=state.unit,
-        bounds=bounds,
-        rate=symbols.function(state.rate),
-        initial=intersection(bounds, symbols.range(state.initial)),
-        final=intersection(bounds, symbols.range(state.final)),
-    )
+def build_all(spec: Spec) -> list[Problem]:
+    """The problem of every entry of the mesh schedule: the same one where they do not differ."""
+    if spec.nonsmooth is None or len(spec.nonsmooth.widths) < 2:
+        return [build(spec)] * len(spec.mesh)
+    return [build(spec, mesh) for mesh in range(len(spec.mesh))]
 
 
-def _constraints(spec: Spec, symbols: Symbols) -> dict[str, tuple[Constraint, ...]]:
-    built: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
-    names = constraint_names(spec)
-    for (path, constraint), name in zip(constraints(spec), names, strict=True):
-        function = symbols.function(constraint.expression)
-        built[path[1]].append(Constraint(name, function, symbols.range(constraint)))
-    return {kind: tuple(items) for kind, items in built.items()}
+@dataclass
+class _Builder:
+    spec: Spec
+    mesh: int
+
+    def __post_init__(self):
+        self.symbols = Symbols(self.spec)
+        self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh)
+        self.static = self.symbols.static | {p.name for p in self.rewritten.parameters}
+
+    def problem(self) -> Problem:
+        statics = (Variable(name, p.unit, self.symbols.range(p)) for name, p in self.spec.optimize.items())
+        return Problem(
+            name=self.spec.name,
+            sense=1 if self.spec.objective.minimize else -1,
+            phases=(self.phase(),),
+            parameters=(*statics, *self.rewritten.parameters),
+        )
+
+    def phase(self) -> Phase:
+        spec, symbols, rewritten = self.spec, self.symbols, self.rewritten
+        times = symbols.range(spec.time.initial), symbols.range(spec.time.final)
+        states = tuple(map(self.state, symbols.states))
+        controls = (*map(self.variable, symbols.controls), *rewritten.controls)
+        algebraic = tuple(map(self.variable, symbols.algebraic))
+        sense = "minimize" if spec.objective.minimize else "maximize"
+        terms, written = spec.objective.terms, self.written_constraints()
+        return Phase(
+            name="main",
+            initial_time=times[0],
+            final_time=times[1],
+            states=states,
+            controls=controls,
+            algebraic=algebraic,
+            guess=initial_guess(spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters),
+            residuals=self.residuals(),
+            path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path)),
+            boundary=(*self.of_model("boundary"), *written["boundary"], *map(self.slack, rewritten.boundary)),
+            integral=tuple(written["integral"]),
+            lagrange=self.function(("objective", sense, "integral"), terms.integral) if terms.integral else None,
+            mayer=self.function(("objective", sense, "terminal"), terms.terminal) if terms.terminal else None,
+            time_unit=spec.time.unit,
+        )
+
+    def function(self, path: Path, expression: Expression) -> Expression:
+        """The function for an expression of the file: its stand-in, with parameters and definitions bound."""
+        return self.bound(self.rewritten.expressions.get(path, expression))
+
+    def bound(self, expression: Expression) -> Expression:
+        return expression.bind(self.symbols.numbers, self.rewritten.definitions, self.static)
+
+    def variable(self, declared: Declared) -> Variable:
+        return Variable(declared.name, declared.unit, self.symbols.range(declared.entry))
+
+    def state(self, state: DeclaredState) -> State:
+        bounds = self.symbols.range(state.entry)
+        return State(
+            name=state.name,
+            unit=state.unit,
+            bounds=bounds,
+            rate=self.rate(state),
+            initial=intersection(bounds, self.symbols.range(state.entry.initial)),
+            final=intersection(bounds, self.symbols.range(state.entry.final)),
+            velocity_of=state.velocity_of,
+        )
+
+    def rate(self, state: DeclaredState) -> Function:
+        if state.rate is None:
+            return self.symbols.equations.rates[state.name]
+        return self.function(state.rate_path, state.rate)
+
+    def residuals(self) -> tuple[Constraint, ...]:
+        names = residual_names(self.spec)
+        own = (
+            Constraint(name, self.function(("residuals", i, "expression"), residual.expression), ZERO)
+            for i, (residual, name) in enumerate(zip(self.spec.residuals, names, strict=True))
+        )
+        equations = self.symbols.equations
+        model = (Constraint(n, f, ZERO) for n, f in equations.residuals.items()) if equations else ()
+        return (*model, *own)
+
+    def of_model(self, kind: str) -> tuple[Constraint, ...]:
+        """The path or the boundary constraints of the model."""
+        equations = self.symbols.equations
+        given = getattr(equations, kind) if equations else {}
+        return tuple(Constraint(name, function, bounds) for name, (function, bounds) in given.items())
+
+    def written_constraints(self) -> dict[str, list[Constraint]]:
+        """The constraints of the file, by kind."""
+        written: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
+        for (path, constraint), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
+            function = self.function((*path, "expression"), constraint.expression)
+            written[path[1]].append(Constraint(name, function, self.symbols.range(constraint)))
+        return written
+
+    def slack(self, constraint: Constraint) -> Constraint:
+        """A constraint on slack variables, its function completed."""
+        return Constraint(constraint.name, self.bound(constraint.function), constraint.bounds)
 
 
 def intersection(a: Range, b: Range) -> Range:
     """What two ranges have in common."""
     return Range(max(a.lower, b.lower), min(a.upper, b.upper))
-
-
-def constraint_names(spec: Spec) -> list[str]:
-    """A name for each constraint, all different: the one given, or one made from its expression."""
-    names: list[str] = []
-    taken = {constraint.name for _, constraint in constraints(spec)}
-    for _, constraint in constraints(spec):
-        name = constraint.name
-        if not name:
-            stem = re.sub(r"\W+", "_", constraint.expression.text).strip("_")[:MAX_NAME].strip("_") or "constraint"
-            candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
-            name = next(c for c in candidates if c not in taken and c not in names)
-        names.append(name)
-    return names

@@ -7,42 +7,52 @@ from itertools import pairwise
 from math import inf, isfinite
 from typing import Any
 
-from .build import constraint_names, intersection
+from . import structure
+from .build import intersection
+from .dynamics import Declared, DeclaredState
 from .expressions import Expression
+from .models import find
 from .places import Finding
 from .problem import Range
 from .spec import Spec
-from .symbols import BOUNDARY, CONSTANT, Symbols, constraints, no_value, uses
+from .symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from .syntax import MAX_NAME, RESERVED, nearest
 from .tree import leaves
+from .uses import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from .yamltext import Path, brief
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
+_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # kinds that should stand in expressions
 
 
 def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
+    if not spec.model and not spec.states:
+        what = "there must be at least 1 here"
+        return [Finding(("states",), what, "add a state, or model: with the name of a shipped model")], []
     checker = _Checker(spec)
     checker.names()
     checker.values()
     checker.varying_at_ends()
     checker.time()
-    for group in ("states", "controls", "optimize"):
-        for name, entry in getattr(spec, group).items():
-            checker.bounds((group, name), entry)
-    for name, state in spec.states.items():
-        checker.ends(("states", name), state)
+    for declared in checker.declared():
+        checker.bounds(declared.path, declared.entry)
+    for name, static in spec.optimize.items():
+        checker.bounds(("optimize", name), static)
+    for state in checker.symbols.states:
+        checker.ends(state)
     for path, constraint in constraints(spec):
         checker.bounds(path, constraint)
     checker.constraint_names()
     checker.static_guesses()
     checker.guess_names()
     checker.guess_values()
-    checker.solver()
+    checker.errors += structure.check(spec, checker.symbols, checker.numbers)
     if not checker.errors:
         checker.objective()
         checker.unused()
+        checker.warnings += structure.warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
 
@@ -63,19 +73,36 @@ class _Checker:
 
     def names(self) -> None:
         """Names are words, not reserved, and each declared once."""
-        first: dict[str, str] = {}
-        for group in ("parameters", "expressions", "states", "controls", "optimize"):
-            for name in getattr(self.spec, group):
-                if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-                    what = f'"{brief(name)}" cannot be a name'
-                    self.error((group, name), what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
-                elif name in RESERVED:
-                    remedy = f"choose another name, such as {name}1"
-                    self.error((group, name), f'the name "{name}" has a meaning of its own in expressions', remedy)
-                elif name in first:
-                    what = f"{name} is already declared under {first[name]}"
-                    self.error((group, name), what, "give every name once, in one section")
-                first.setdefault(name, group)
+        spec, first = self.spec, {}
+        model = find(spec.model) if spec.model else None
+        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
+            own = getattr(model, group, {})
+            first |= dict.fromkeys(own, f"the model's {group}")
+            for name in getattr(spec, group):
+                if name not in own:
+                    self.name((group, name), name, first)
+        for state in self.symbols.states:
+            if state.velocity_of:
+                self.name(state.path, state.name, first)
+        for name in self.symbols.equations.outputs if self.symbols.equations else ():
+            if name in first:
+                self.error((first[name], name), f"{name} is an output of the model {spec.model}", "choose another name")
+
+    def name(self, path: Path, name: str, first: dict[str, str]) -> None:
+        """One name; first: every name before it -> where it was declared."""
+        if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
+            what = f'"{brief(name)}" cannot be a name'
+            self.error(path, what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
+        elif name in RESERVED:
+            remedy = f"choose another name, such as {name}1"
+            self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
+        elif name in first:
+            self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
+        first.setdefault(name, path[0])
+
+    def declared(self) -> tuple[Declared, ...]:
+        """Every variable over time."""
+        return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
 
     def values(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
@@ -121,21 +148,21 @@ class _Checker:
             return -inf if key == "lower" else inf
         return self.numbers.get((*path, key))
 
-    def ends(self, path: Path, state: Any) -> None:
+    def ends(self, state: DeclaredState) -> None:
         """What is asked at the ends of time lies within the bounds of the state."""
-        bounds = self.range(path, state)
+        bounds = self.range(state.path, state.entry)
         for end in ("initial", "final"):
-            entry = getattr(state, end)
+            path, entry = (*state.path, end), getattr(state.entry, end)
             if entry is None:
                 continue
-            self.bounds((*path, end), entry)
-            asked = self.range((*path, end), entry)
+            self.bounds(path, entry)
+            asked = self.range(path, entry)
             if bounds is None or asked is None:
                 continue
             common = intersection(bounds, asked)
             if common.lower > common.upper:
-                what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {path[-1]}"
-                self.error((*path, end), what, "change it, or lower: and upper: of the state")
+                what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {state.name}"
+                self.error(path, what, "change it, or lower: and upper: of the state")
 
     def time(self) -> None:
         entries = {end: getattr(self.spec.time, end) for end in ("initial", "final")}
@@ -170,8 +197,11 @@ class _Checker:
             self.warn(path, what, "choose a guess inside; the solver moves it there first")
 
     def constraint_names(self) -> None:
-        given: set[str] = set()
-        for (path, _), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
+        equations = self.symbols.equations
+        given = {*equations.path, *equations.boundary, *equations.residuals} if equations else set()
+        paths = [path for path, _ in constraints(self.spec)]
+        paths += [("residuals", i) for i in range(len(self.spec.residuals))]
+        for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
             if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
                 what = f'"{brief(name)}" cannot be a name'
                 self.error((*path, "name"), what, "use letters, digits, _, - and space")
@@ -186,14 +216,15 @@ class _Checker:
                 self.inside(("optimize", name, "guess"), [guess], self.range(("optimize", name), static))
 
     def guess_names(self) -> None:
-        """Constants and keyframes name states and controls, each in one of the two."""
-        known = [*self.spec.states, *self.spec.controls]
+        """Constants and keyframes name states, controls and algebraic variables, each in one of the two."""
+        known = [declared.name for declared in self.declared()]
         keyframes, constants = self.spec.guess.keyframes, self.spec.guess.constants
         for path in [*(("constants", n) for n in constants), *(("keyframes", n) for n in keyframes)]:
             if path[1] not in known and path != ("keyframes", "time"):
                 close = nearest(path[1], known)
-                remedy = f"did you mean {close}?" if close else "name a state or a control"
-                self.error(("guess", *path), f"{path[1]} is not a state or a control", remedy)
+                remedy = f"did you mean {close}?" if close else "name a state, a control or an algebraic variable"
+                what = f"{brief(path[1])} is not a state or a control, nor an algebraic variable"
+                self.error(("guess", *path), what, remedy)
             elif path[0] == "constants" and path[1] in keyframes:
                 self.error(("guess", *path), f"{path[1]} has keyframes as well", "keep one of the two")
 
@@ -206,27 +237,24 @@ class _Checker:
             if len(row) != len(keyframes[first]):
                 what = f"{path[-1]} has {len(row)} keyframes, {first[-1]} has {len(keyframes[first])}"
                 self.error(path, what, "give all of them the same number of values")
+        declared = {variable.name: variable for variable in self.declared()}
         for path, row in {**rows, **keyframes}.items():
             keys = [path] if path in rows else [(*path, i) for i in range(len(row))]
             values = [self.numbers[key] for key in keys if key in self.numbers]
             if path == ("guess", "keyframes", "time"):
                 if any(later <= earlier for earlier, later in pairwise(values)):
                     self.error(path, "the times do not increase", "sort them, each larger than the one before")
-            elif group := next((g for g in ("states", "controls") if path[-1] in getattr(self.spec, g)), None):
-                self.inside(path, values, self.range((group, path[-1]), getattr(self.spec, group)[path[-1]]))
-
-    def solver(self) -> None:
-        if "tol" in self.spec.solver.options:
-            remedy = "write it as tolerance: in each entry of mesh:"
-            self.error(("solver", "tol"), "the tolerance of IPOPT belongs to the mesh", remedy)
+            elif variable := declared.get(path[-1]):
+                self.inside(path, values, self.range(variable.path, variable.entry))
 
     def objective(self) -> None:
         """The objective depends on something that is to be found."""
         spec, terms = self.spec, self.spec.objective.terms
         fixed = {f"t[{end}]" for end in ("initial", "final") if getattr(spec.time, end).value is not None}
-        for name, state in spec.states.items():
-            ranges = {end: self.range(("states", name, end), getattr(state, end)) for end in ("initial", "final")}
-            fixed |= {f"{name}[{end}]" for end, r in ranges.items() if r and r.fixed}
+        for state in self.symbols.states:
+            ends = ("initial", "final")
+            ranges = {end: self.range((*state.path, end), getattr(state.entry, end)) for end in ends}
+            fixed |= {f"{state.name}[{end}]" for end, r in ranges.items() if r and r.fixed}
         functions = [self.symbols.function(e) for e in (terms.integral, terms.terminal) if e]
         free = set().union(*(function.names for function in functions)) - {"t"} - fixed
         free_time = spec.time.initial.value is None or spec.time.final.value is None
@@ -238,9 +266,12 @@ class _Checker:
     def unused(self) -> None:
         """Names that are declared and then play no part."""
         named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
+        if self.spec.model:
+            model = find(self.spec.model)
+            named |= {*model.parameters, *model.controls, *model.algebraic}
         for name, kind in self.symbols.kinds.items():
-            if kind not in ("time", "state", "unknown") and name not in named:
-                group = {"static parameter": "optimize"}.get(kind, kind + "s")
+            if kind in _USED and name not in named:
+                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(kind, kind + "s")
                 self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
 
 

@@ -1,6 +1,6 @@
 """Expression strings as functions of named values: arithmetic, never code.
 
-An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.FUNCTIONS`, and at the
+An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.CALLABLE`, and at the
 boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it. A walk
 does the same operations in the same order at every call, so that every function is consistent in the sense of the
 paper, section 5.5.
@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .stand_ins import EXACT, STAND_INS
 from .syntax import FUNCTIONS, MAX_EXPONENT, ExpressionError, shorten, tidy
-from .tree import Name, Node, Number, Operation, leaves, read
+from .tree import External, Name, Node, Number, Operation, leaves, read
 
 
 class Fault(NamedTuple):
@@ -172,6 +173,8 @@ class _Walk:
                 return self.lookup(node)
             case Operation(symbol=symbol, operands=operands):
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
+            case External(operands=operands):
+                return self.call(node, [self.visit(operand) for operand in operands])
         result = self.visit(node.first)
         for step in node.steps:
             result = self.apply(step.symbol, step, [result, self.visit(step.operand)])
@@ -183,7 +186,14 @@ class _Walk:
     def apply(self, symbol: str, node: Node, operands: list) -> Any:
         if symbol in FUNCTIONS:
             return getattr(self.functions, symbol)(*operands)
+        if symbol in EXACT:
+            return EXACT[symbol](operands)
+        if symbol in STAND_INS:
+            return STAND_INS[symbol](self.functions, operands)
         return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
+
+    def call(self, node: External, operands: list) -> Any:
+        return node.function({n.name: value for n, value in zip(node.operands, operands, strict=True)}, self.functions)
 
 
 class _Found(Exception):  # noqa: N818 - it ends a walk and is no error
@@ -214,6 +224,14 @@ class _Audit(_Walk):
         if any(operand is None for operand in operands):
             return None
         result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
+        return self.finite(node, result)
+
+    def call(self, node: External, operands: list) -> Any:
+        if any(operand is None for operand in operands):
+            return None
+        return self.finite(node, super().call(node, operands))
+
+    def finite(self, node: Node, result: Any) -> Any:
         self.refuse(node, np.isnan(result), "is not a real number")
         self.refuse(node, np.isinf(result), "is too large a number")
         return result

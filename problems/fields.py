@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import (
     BaseModel,
@@ -82,7 +82,7 @@ def _option(value: Any) -> int | float | str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise mistake(f"an IPOPT option must be a finite number, a word, or yes or no, not {kind(value)}", "mend it")
+        raise mistake(f"a solver's option must be a finite number, a word, or yes or no, not {kind(value)}", "mend it")
     return value
 
 
@@ -93,6 +93,12 @@ Formula = Annotated[
 ]
 Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
 Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
+Widths = Annotated[
+    list[Formula],
+    Field(min_length=1),
+    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
+]
 Segments = Annotated[
     Any,
     PlainValidator(_segments),
@@ -118,11 +124,13 @@ class Entry(BaseModel):
 
 
 class Shorthand(Entry):
-    """A mapping for which a plain number or expression may stand: x means {value: x}."""
+    """A mapping for which a plain number or expression may stand: x means {value: x}, or the key that `short` names."""
+
+    short: ClassVar[str] = "value"
 
     @classmethod
     def _unfold(cls, data: Any) -> Any:
-        return data if isinstance(data, dict | cls) else {"value": data}
+        return data if isinstance(data, dict | cls) else {cls.short: data}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema, handler):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf, isfinite
 
 import numpy as np
@@ -16,15 +16,20 @@ def initial_guess(
     spec: Spec,
     symbols: Symbols,
     states: tuple[State, ...],
-    controls: tuple[Variable, ...],
+    inputs: tuple[Variable, ...],
+    *,
     times: tuple[Range, Range],
+    slack: Sequence[Variable] = (),
 ) -> Guess:
-    """The guess that the file asks for; times: ranges of the initial and the final time."""
+    """The guess that the file asks for; times: ranges of the initial and the final time.
+
+    slack: static parameters that the file does not name. Like slack controls they start at zero (paper, 8.5).
+    """
     keyframes = {name: np.array([symbols.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
     s = keyframe_positions(keyframes)
-    asked = {name: (symbols.range(state.initial), symbols.range(state.final)) for name, state in spec.states.items()}
+    asked = {s.name: (symbols.range(s.entry.initial), symbols.range(s.entry.final)) for s in symbols.states}
     values = {state.name: np.interp(s, [0.0, 1.0], ends(state, *asked[state.name])) for state in states}
-    values |= {control.name: np.full(len(s), control.bounds.clip(0.0)) for control in controls}
+    values |= {variable.name: np.full(len(s), variable.bounds.clip(0.0)) for variable in inputs}
     values |= {name: np.full(len(s), symbols.number(v, 0.0)) for name, v in spec.guess.constants.items()}
     values |= {name: row for name, row in keyframes.items() if name != "time"}
     return Guess(
@@ -35,7 +40,8 @@ def initial_guess(
         parameters={
             name: middle(symbols.range(static), symbols.number(static.guess, inf))
             for name, static in spec.optimize.items()
-        },
+        }
+        | {parameter.name: parameter.bounds.clip(0.0) for parameter in slack},
     )
 
 

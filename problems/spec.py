@@ -9,92 +9,29 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
+from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, Parameter, Residual, State, Static, Time
 from .errors import Mistake
-from .fields import MAX_SEGMENTS, Entry, Formula, Number, Option, Segments, Shorthand, Text, mistake
+from .expressions import Expression
+from .fields import MAX_SEGMENTS, Entry, Formula, Number, Option, Segments, Text, Widths, mistake
+from .models import MODELS
 from .places import Finding, Places
+from .stand_ins import SLACK, SQRT, TANH
 from .syntax import nearest
 from .yamltext import brief, kind
 
 MAX_MESHES = 100
 MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
-
-_LOWER = "lower bound; default none"
-_UPPER = "upper bound; default none"
-_UNIT = "unit, a text for tables and plots"
-_NOTE = "a remark for readers"
-
-
-class Parameter(Shorthand):
-    """A constant: a number, or an expression of other parameters."""
-
-    value: Formula = Field(description="number or expression of other parameters")
-    unit: Text = Field("", description=_UNIT)
-    note: Text = Field("", description=_NOTE)
-
-
-class EndValue(Shorthand):
-    """The value at one end of time: fixed, or in a range."""
-
-    value: Formula | None = Field(None, description="the fixed value; then no lower and upper")
-    lower: Formula | None = Field(None, description=_LOWER)
-    upper: Formula | None = Field(None, description=_UPPER)
-
-    @model_validator(mode="after")
-    def _one_form(self):
-        given = [k for k in type(self).model_fields if getattr(self, k) is not None]
-        if "value" in given and len(given) > 1:
-            raise mistake(f"value and {given[1]} are both given", "keep the value, or lower and upper")
-        if not given:
-            raise mistake("nothing is given here", "write a number, or {lower: ..., upper: ...}, or remove the key")
-        return self
-
-
-class TimeEnd(EndValue):
-    """The initial or the final time: fixed, or free in a range."""
-
-    guess: Formula | None = Field(None, description="initial guess of a free time; default the middle of its range")
-
-
-class Time(Entry):
-    """When the trajectory begins and ends."""
-
-    initial: TimeEnd = Field(description="initial time: number, expression of parameters, or {lower, upper, guess}")
-    final: TimeEnd = Field(description="final time: number, expression of parameters, or {lower, upper, guess}")
-    unit: Text = Field("s", description="unit of time; default s")
-
-
-class State(Entry):
-    """A state, given by its rate of change."""
-
-    unit: Text = Field("", description=_UNIT)
-    rate: Formula = Field(description="time derivative: an expression of t, states, controls and parameters")
-    lower: Formula | None = Field(None, description=_LOWER)
-    upper: Formula | None = Field(None, description=_UPPER)
-    initial: EndValue | None = Field(None, description="value or {lower, upper} at the initial time; default free")
-    final: EndValue | None = Field(None, description="value or {lower, upper} at the final time; default free")
-    note: Text = Field("", description=_NOTE)
-
-
-class Control(Entry):
-    """A control: a function of time to be found."""
-
-    unit: Text = Field("", description=_UNIT)
-    lower: Formula | None = Field(None, description=_LOWER)
-    upper: Formula | None = Field(None, description=_UPPER)
-    note: Text = Field("", description=_NOTE)
-
-
-class Static(Entry):
-    """A static parameter: one number to be found."""
-
-    lower: Formula | None = Field(None, description=_LOWER)
-    upper: Formula | None = Field(None, description=_UPPER)
-    guess: Formula | None = Field(None, description="initial guess; default the middle of its range")
-    unit: Text = Field("", description=_UNIT)
-    note: Text = Field("", description=_NOTE)
 
 
 class Terms(Entry):
@@ -133,8 +70,8 @@ class Constraint(Entry):
 
     name: Text = Field("", description="name in results; default made from the expression")
     expression: Formula = Field(description="at the boundary of x[initial], x[final], t[final]; else of t, x, u")
-    lower: Formula | None = Field(None, description=_LOWER)
-    upper: Formula | None = Field(None, description=_UPPER)
+    lower: Formula | None = Field(None, description=LOWER)
+    upper: Formula | None = Field(None, description=UPPER)
     equals: Formula | None = Field(None, description="the value; instead of lower and upper")
 
     @model_validator(mode="after")
@@ -159,9 +96,13 @@ class Constraints(Entry):
 class Guess(Entry):
     """Where the solver starts: `linear`, or constants and keyframes for some names and linear for the others."""
 
-    constants: dict[str, Formula] = Field({}, description="state or control -> value at every time")
+    constants: dict[str, Formula] = Field(
+        {}, description="state, control or algebraic variable -> value at every time"
+    )
     keyframes: dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]] = Field(
-        {}, description="state or control -> values; time -> their times (optional, first is initial, last is final)"
+        {},
+        description="state, control or algebraic variable -> values; "
+        "time -> their times (optional, first is initial, last is final)",
     )
 
     @classmethod
@@ -173,12 +114,65 @@ class Guess(Entry):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema, handler):
-        reference = handler(core_schema)
-        schema = handler.resolve_ref_schema(reference)
-        long = dict(schema)
-        schema.clear()
-        schema.update({"anyOf": [{"const": "linear"}, long]})
-        return reference
+        return _or_word("linear", handler(core_schema), handler)
+
+
+def _or_word(word: str, reference: dict, handler) -> dict:
+    """The JSON Schema of a mapping for which one word may stand."""
+    schema = handler.resolve_ref_schema(reference)
+    long = dict(schema)
+    schema.clear()
+    schema.update({"anyOf": [{"const": word}, long]})
+    return reference
+
+
+class Nonsmooth(Entry):
+    """How abs, min and max become consistent (paper, 5.5 and 8.5-8.6): `slack`, or one of these.
+
+    Neither tanh nor sqrt means slack variables.
+    """
+
+    tanh: Widths | None = Field(
+        None,
+        description="|y| becomes y tanh(y/alpha): alpha > 0 in the unit of y, or a list with one for each mesh entry",
+    )
+    sqrt: Widths | None = Field(
+        None,
+        description="|y| becomes sqrt(y^2 + beta^2): beta > 0 in the unit of y, or a list with one for each mesh entry",
+    )
+
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        remedy = "write slack, {tanh: 0.01} or {sqrt: 0.01}"
+        if isinstance(data, str) and data != SLACK:
+            raise mistake(f'"{brief(data)}" is not a way to treat abs, min and max', remedy)
+        if isinstance(data, dict) and not any(value is not None for value in data.values()):
+            raise mistake("nothing is given here", remedy)
+        return {} if isinstance(data, str) else data
+
+    @model_validator(mode="after")
+    def _one_way(self):
+        if self.tanh is not None and self.sqrt is not None:
+            raise mistake("tanh and sqrt are both given", "keep one of them")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _short_form(self, handler):
+        return SLACK if self.kind == SLACK else handler(self)
+
+    @property
+    def kind(self) -> str:
+        """ "slack", "tanh" or "sqrt"."""
+        return TANH if self.tanh is not None else SQRT if self.sqrt is not None else SLACK
+
+    @property
+    def widths(self) -> list[Expression]:
+        """alpha or beta: one, or one for each mesh entry; none for slack."""
+        return self.tanh or self.sqrt or []
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema, handler):
+        return _or_word(SLACK, handler(core_schema), handler)
 
 
 class Mesh(Entry):
@@ -186,7 +180,7 @@ class Mesh(Entry):
 
     method: Text = Field(description="collocation method; `trajopt methods` lists them")
     segments: Segments = Field(description=f"number of equal segments, or relative widths; at most {MAX_SEGMENTS}")
-    tolerance: Number = Field(1e-8, description="convergence tolerance of IPOPT (its option tol); default 1e-8")
+    tolerance: Number = Field(1e-8, description="convergence tolerance of the solver (its option tol); default 1e-8")
 
     @field_validator("method")
     @classmethod
@@ -207,11 +201,14 @@ class Mesh(Entry):
 
 
 class Solver(Entry):
-    """How IPOPT runs. Every key but `accept` is an IPOPT option."""
+    """Which solver runs, and how. Every key but `engine` and `accept` is an option of that solver."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, Option]
 
+    engine: Literal["ipopt", "newton"] = Field(
+        "ipopt", description="ipopt (default), or newton: Newton's method on the KKT system, equality constraints only"
+    )
     accept: Literal["optimal", "acceptable"] = Field(
         "optimal", description="count IPOPT's acceptable point as solved (acceptable) or not (optimal, the default)"
     )
@@ -235,29 +232,51 @@ class Spec(Entry):
     trajopt: Any = Field(description="version of the file format: 1", json_schema_extra={"const": 1})
     name: Text = Field("", description="name of the problem; default the name of the file")
     source: Text = Field("", description="where the problem is stated")
-    note: Text = Field("", description=_NOTE)
+    note: Text = Field("", description=NOTE)
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
     )
     expressions: dict[str, Formula] = Field(
         {}, max_length=MAX_NAMES, description="name -> expression that others may use by that name"
     )
+    model: Text = Field(
+        "",
+        description="name of a shipped model: it gives states, controls, algebraic variables, dynamics, constraints; "
+        "the file its parameters, and bounds and ends where there are any",
+    )
     time: Time = Field(description="{initial, final, unit}")
     states: dict[str, State] = Field(
-        min_length=1, max_length=MAX_NAMES, description="name -> {unit, rate, lower, upper, initial, final, note}"
+        {},
+        max_length=MAX_NAMES,
+        description="name -> {unit, rate, lower, upper, initial, final, note}; or {accel, velocity, ...} for rate",
     )
     controls: dict[str, Control] = Field({}, max_length=MAX_NAMES, description="name -> {unit, lower, upper, note}")
+    algebraic: dict[str, Algebraic] = Field(
+        {}, max_length=MAX_NAMES, description="algebraic variables: name -> {unit, lower, upper, note}"
+    )
+    residuals: list[Residual] = Field(
+        [],
+        max_length=MAX_NAMES,
+        description="expressions that are zero at every time: as many as algebraic variables and implicit rates",
+    )
     optimize: dict[str, Static] = Field(
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    nonsmooth: Nonsmooth | None = Field(
+        None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
+    )
     constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
     guess: Guess = Field(Guess(), description="initial trajectory: linear (default), constants or keyframes")
     mesh: list[Mesh] = Field(
         min_length=1, max_length=MAX_MESHES, description="schedule: each entry starts from the solution before it"
     )
-    solver: Solver = Field(Solver(), description="accept, and IPOPT options such as max_iter")
+    solver: Solver = Field(Solver(), description="engine, accept, and options of the engine such as max_iter")
     reference: Reference | None = Field(None, description="known objective to compare with")
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, json_schema_extra={"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
+    )
 
     _text: str = PrivateAttr("")
     _places: Places = PrivateAttr(Places("", {}))
@@ -269,6 +288,15 @@ class Spec(Entry):
         if value != 1 or isinstance(value, bool):
             raise mistake(f"the version of the file format is {kind(value)}, not 1", "write trajopt: 1")
         return 1
+
+    @field_validator("model")
+    @classmethod
+    def _known_model(cls, value: str) -> str:
+        if value and value not in MODELS:
+            close = nearest(value, MODELS)
+            hint = f"did you mean {close}? " if close else ""
+            raise mistake(f'there is no model "{brief(value)}"', f"{hint}the models are {', '.join(MODELS)}")
+        return value
 
     @property
     def file(self) -> str:

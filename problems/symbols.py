@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterable
 
 import numpy as np
 
+from . import dynamics
 from .expressions import Expression, Fault, untangle
+from .models import find
+from .models.model import Equations
 from .places import Finding
-from .problem import Range
-from .spec import Constraint, Spec
+from .problem import Function, Range
+from .spec import Spec
 from .syntax import nearest, shorten
-from .tree import Name, count, leaves
+from .tree import External, Name, Node, count, leaves
+from .uses import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
 from .yamltext import Path
 
 # Looking for a similar name among thousands takes time.
@@ -24,78 +27,32 @@ MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 # Stands for a value that is mistaken; see repair.py.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
-# Where an expression stands decides what it may refer to.
-CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
-
-
-class Use(NamedTuple):
-    """An expression of the file: its path, and what it may refer to."""
-
-    path: Path
-    expression: Expression
-    context: str
-
-
-def uses(spec: Spec) -> Iterator[Use]:
-    """Every expression of the file."""
-    for name, parameter in spec.parameters.items():
-        yield Use(("parameters", name), parameter.value, CONSTANT)
-    for name, expression in spec.expressions.items():
-        yield Use(("expressions", name), expression, TRAJECTORY)
-    for group in ("time", "states", "controls", "optimize"):
-        yield from _constants(getattr(spec, group), (group,))
-    for name, state in spec.states.items():
-        yield Use(("states", name, "rate"), state.rate, TRAJECTORY)
-    sense = "minimize" if spec.objective.minimize else "maximize"
-    for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
-        if expression := getattr(spec.objective.terms, term):
-            yield Use(("objective", sense, term), expression, context)
-    for path, constraint in constraints(spec):
-        yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
-        for key in ("lower", "upper", "equals"):
-            if bound := getattr(constraint, key):
-                yield Use((*path, key), bound, CONSTANT)
-    yield from _constants(spec.guess.constants, ("guess", "constants"))
-    yield from _constants(spec.guess.keyframes, ("guess", "keyframes"))
-
-
-def constraints(spec: Spec) -> Iterator[tuple[Path, Constraint]]:
-    """Every constraint with its path, such as ("constraints", "path", 0)."""
-    for kind in ("path", "boundary", "integral"):
-        for i, constraint in enumerate(getattr(spec.constraints, kind)):
-            yield ("constraints", kind, i), constraint
-
-
-def _constants(value, path: Path) -> Iterator[Use]:
-    """The expressions below a path, except rates: they are all constants."""
-    if isinstance(value, Expression):
-        yield Use(path, value, CONSTANT)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _constants(item, (*path, i))
-    elif isinstance(value, dict) or hasattr(type(value), "model_fields"):
-        items = value.items() if isinstance(value, dict) else value
-        for key, item in items:
-            if key != "rate":
-                yield from _constants(item, (*path, key))
+# Kinds of names that have a value at every time.
+STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
+VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 
 
 class Symbols:
     """Names and values of a spec.
 
-    kinds: name -> "parameter", "expression", "state", "control", "static parameter" or "time". numbers: the values
-    of the parameters. definitions: the expressions that others may refer to; `varying` are those that vary in time,
-    `fixed` holds the numbers and the values of the expressions of parameters alone. findings: mistakes met on the
-    way; without them, all of these are complete.
+    states, controls, algebraic: the variables, see dynamics.py. kinds: name -> "parameter", "expression", "static
+    parameter", or one of VARYING. numbers: the values of the parameters. equations: those of the model, None without
+    one. definitions: the expressions that others may refer to, each after those that it refers to; `varying` are those
+    that vary in time, `fixed` holds the numbers and the values of the expressions of parameters alone. findings:
+    mistakes met on the way; without them, all of these are complete.
     """
 
     def __init__(self, spec: Spec):
+        self.states, self.controls = dynamics.states(spec), dynamics.controls(spec)
+        self.algebraic = dynamics.algebraic(spec)
         groups = {
             "time": ("t",),
             "parameter": spec.parameters,
             "expression": spec.expressions,
-            "state": spec.states,
-            "control": spec.controls,
+            STATE: [state.name for state in self.states],
+            CONTROL: [control.name for control in self.controls],
+            RATE: [variable.name for variable in self.algebraic],
+            ALGEBRAIC: [variable.name for variable in self.algebraic if "[" not in variable.name],
             "static parameter": spec.optimize,
             "unknown": UNKNOWN.names,
         }
@@ -108,15 +65,19 @@ class Symbols:
         self.varying: set[str] = set()
         self._wrong: set[Path] = set()
         self._unknown_names = 0
-        for use in uses(spec):
-            self._check_names(use)
+        self._outputs_unknown = False
+        self.equations: Equations | None = None
+        self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
+        self._build_model(spec)
+        self._outputs_unknown = bool(spec.model) and self.equations is None
+        self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
         self._collect_definitions(spec.expressions)
 
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
         return path not in self._wrong and all(
-            self.kinds[n.name] in ("time", "state", "control", "static parameter")
+            self.kinds[n.name] in (*VARYING, "static parameter")
             or n.name in self.numbers
             or n.name in self.definitions
             for n in leaves(expression.root)
@@ -129,6 +90,25 @@ class Symbols:
     def number(self, expression: Expression | None, default: float) -> float:
         """The value of an expression of parameters; `default` if there is none."""
         return default if expression is None else self.function(expression).constant()
+
+    def value(self, root: Node) -> float | None:
+        """The value of a tree of parameters alone, None for another."""
+        if any(name.name not in self.fixed for name in leaves(root)):
+            return None
+        return self._constant(Expression("", root))
+
+    def varies(self, name: str) -> bool:
+        """Whether a name has a value at every time."""
+        return name in self.varying or self.kinds.get(name) in VARYING
+
+    def constant(self, root: Node) -> bool:
+        """Whether a tree is made of parameters alone; what is mistaken in it counts as constant."""
+        return all(
+            self.kinds.get(name.name, "unknown") in ("parameter", "unknown")
+            or name.name in self.fixed
+            or (self.kinds[name.name] == "expression" and name.name not in self.definitions)
+            for name in leaves(root)
+        )
 
     def range(self, entry) -> Range:
         """The range of an entry with lower and upper, and perhaps value or equals."""
@@ -145,9 +125,16 @@ class Symbols:
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
         return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
 
+    def _check_all_names(self, found: Iterable[Use]) -> None:
+        for use in found:
+            self._check_names(use)
+
     def _check_names(self, use: Use) -> None:
         seen = set()
         for name in leaves(use.expression.root):
+            if name.name not in self.kinds and self._outputs_unknown:
+                self._wrong.add(use.path)
+                continue
             trouble = self._trouble(name, use.context)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
@@ -171,7 +158,12 @@ class Symbols:
             )
         elif context == BOUNDARY and name.end and kind in ("parameter", "static parameter"):
             found = f"{name.name} is a {kind} and has only one value", f"write {name.name}"
-        elif context == BOUNDARY and not name.end and kind in ("time", "state", "control"):
+        elif context == BOUNDARY and kind == RATE:
+            found = (
+                f"{name.name} has a value at every time, but this expression is about the two ends",
+                "name it under expressions:, and write [final] or [initial] after that name",
+            )
+        elif context == BOUNDARY and not name.end and kind in VARYING:
             found = (
                 f"{name.name} has a value at every time, but this expression is about the two ends",
                 f"write {name.name}[final] or {name.name}[initial]",
@@ -180,6 +172,8 @@ class Symbols:
 
     def _unknown(self, name: str, context: str) -> tuple[str, str]:
         what = f'unknown name "{name}"'
+        if name.endswith("]"):
+            return self._no_rate(name.partition("[")[0])
         if name == "e":
             return what, "write exp(...) for a power of e"
         if self._unknown_names >= MAX_SUGGESTIONS:
@@ -190,6 +184,25 @@ class Symbols:
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
         return what, f"declare it, for example under parameters: as {name}: 1.0"
+
+    def _no_rate(self, name: str) -> tuple[str, str]:
+        """What is wrong with name[rate], which is no implicit rate."""
+        if self.kinds.get(name) == STATE:
+            remedy = f"write its rate instead, or leave out rate: of {name} to make it implicit"
+            return f"the rate of {name} is given, so {name}[rate] is not an unknown", remedy
+        return f'unknown name "{name}[rate]"', "only a state without rate: and accel: is known by its rate"
+
+    def _build_model(self, spec: Spec) -> None:
+        """The equations of the model, if all its parameters are known, and its outputs as definitions."""
+        model = find(spec.model) if spec.model else None
+        if model is None or not model.parameters.keys() <= self.numbers.keys():
+            return
+        self.equations = model.build({name: self.numbers[name] for name in model.parameters})
+        names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
+        for name, function in self.equations.outputs.items():
+            self.kinds[name] = OUTPUT
+            self.definitions[name] = _external(name, function, names)
+            self.varying.add(name)
 
     def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
         """The names of a group, each after those that its expression refers to; those in a circle are left out."""
@@ -229,10 +242,16 @@ class Symbols:
                 self.findings.append(no_value(("expressions", name), fault))
                 continue
             self.definitions[name] = expression
-            if any(n in self.varying or self.kinds[n] in ("time", "state", "control") for n in inner):
+            if any(n in self.varying or self.kinds[n] in VARYING for n in inner):
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = self._constant(expression)
+
+
+def _external(name: str, function: Function, names: list[str]) -> Expression:
+    """A function of a model as an expression."""
+    place = 0, len(name)
+    return Expression(name, External(*place, function, tuple(Name(*place, n, None) for n in names)))
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

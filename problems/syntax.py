@@ -13,7 +13,10 @@ from typing import NamedTuple
 
 FUNCTIONS = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
 ENDS = ("initial", "final")
+RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
+# Not consistent (paper, section 5.5): nonsmooth.py makes them so, where they do not stand for a constant.
 INCONSISTENT = ("abs", "min", "max")
+CALLABLE = FUNCTIONS + INCONSISTENT
 # `time` heads the keyframes of a guess, so no state may be called that.
 RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *INCONSISTENT, *keyword.kwlist})
 
@@ -23,6 +26,7 @@ MAX_DEPTH = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
+MAX_ARGUMENTS = 20
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
@@ -45,14 +49,9 @@ _ALIASES = {
     "sqr": "({})**2",
     "square": "({})**2",
     "pow": "a**b",
+    "fabs": "abs({})",
     "atan2": "atan(y/x), where x is never zero",
     "arctan2": "atan(y/x), where x is never zero",
-}
-
-_SMOOTH = {
-    "abs": "sqrt(x**2 + 1e-6)",
-    "min": "(a + b - sqrt((a - b)**2 + 1e-6))/2",
-    "max": "(a + b + sqrt((a - b)**2 + 1e-6))/2",
 }
 
 _COMPARISON = ("an expression is one value, not a comparison", "give the bounds as lower:, upper: or equals: beside it")
@@ -88,7 +87,7 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """kind: number, name, operator, other or end (of the text, which is an empty token)."""
+    """kind: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
 
     kind: str
     text: str
@@ -136,6 +135,7 @@ def check(text: str) -> None:
     for token in tokens:
         _check_token(text, token)
     _check_brackets(text, tokens)
+    tokens = _separated(tokens)
     for before, token, after in zip(tokens, tokens[1:], [*tokens[2:], tokens[-1]], strict=False):
         _check_neighbours(text, before, token, after)
     _check_signs(text, tokens)
@@ -190,6 +190,19 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
         _fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
 
 
+def _separated(tokens: list[Token]) -> list[Token]:
+    """The tokens with the commas between the arguments of abs, min and max marked as separators."""
+    openers, marked = [], []
+    for before, token in zip([tokens[0], *tokens], tokens, strict=False):
+        if token.text in ("(", "["):
+            openers.append(token.text == "(" and before.text in INCONSISTENT)
+        elif token.text in (")", "]"):
+            openers.pop()
+        separates = token.text == "," and openers and openers[-1]
+        marked.append(token._replace(kind="separator") if separates else token)
+    return marked
+
+
 def _check_signs(text: str, tokens: list[Token]) -> None:
     run: list[Token] = []
     for token in tokens:
@@ -202,15 +215,15 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
     """The rules that need a token and the ones beside it: `before` has been checked, `token` is next."""
     if token.text == ".":
         _check_dot(text, before, token, after)
-    elif token.text == ",":
+    elif token.text == "," and token.kind != "separator":
         remedy = "write 0.5, not 0,5, and give a function one argument"
         _fail(text, before, after, "a comma has no meaning here", remedy)
     elif token.text == "[":
         _check_subscript(text, before, token, after)
     elif _ends_operand(before) and _starts_operand(token):
         _check_adjacent(text, before, token, after)
-    elif before.text in FUNCTIONS:
-        _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...) with one argument")
+    elif before.text in CALLABLE:
+        _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...)")
     elif not _ends_operand(before) and not _starts_operand(token) and token.text not in ("+", "-"):
         _check_missing(text, before, token)
 
@@ -235,19 +248,19 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     inside = text[bracket.stop : close].strip()
     if before.kind != "name":
         _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
-    if inside not in ENDS:
+    if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
-        what = "[ ] only marks the value at an end of time"
+        what = "[ ] only marks the value at an end of time, or the rate of an implicit state"
         _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
 
 
 def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
     """Two operands side by side: a call, or a missing operator."""
     if token.text == "(" and before.kind == "name":
-        if before.text not in FUNCTIONS:
+        if before.text not in CALLABLE:
             _check_call(text, before, token)
         return
-    if before.text in FUNCTIONS:
+    if before.text in CALLABLE:
         argument = token.text if token.kind != "number" or after.kind != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
@@ -262,19 +275,10 @@ def _check_call(text: str, name: Token, bracket: Token) -> None:
     argument = _argument(text, bracket)
     last = Token("operator", ")", bracket.stop + len(argument), bracket.stop + len(argument) + 1)
     argument = shorten(argument.strip(), 40)
-    if name.text in INCONSISTENT:
-        _fail(
-            text,
-            name,
-            last,
-            f"{name.text} is not a consistent function: its gradient jumps, and the solver then fails to converge "
-            "(Kelly 2017, section 5.5)",
-            f"write a smooth stand-in such as {_SMOOTH[name.text]}, or add controls and path constraints that bound it",
-        )
     if name.text in _ALIASES:
         remedy = f"write {_ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
-    if close := nearest(name.text, FUNCTIONS):
+    if close := nearest(name.text, CALLABLE):
         _fail(text, name, last, f"there is no function {name.text}", f"did you mean {close}?")
     what = f"{name.text} is not a function"
     _fail(text, name, last, what, f"write {name.text}*(...) for a product; the functions are {' '.join(FUNCTIONS)}")

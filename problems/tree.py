@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-from .syntax import ENDS, FUNCTIONS, MAX_DEPTH, ExpressionError, check, excerpt
+from .syntax import (
+    CALLABLE,
+    ENDS,
+    FUNCTIONS,
+    MAX_ARGUMENTS,
+    MAX_DEPTH,
+    RATE,
+    ExpressionError,
+    check,
+    excerpt,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +36,10 @@ class Number(Node):
 
 @dataclass(frozen=True, slots=True)
 class Name(Node):
-    """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None."""
+    """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None.
+
+    The rate of an implicit state is a value with a name of its own, such as "v[rate]".
+    """
 
     name: str
     end: str | None
@@ -33,7 +47,10 @@ class Name(Node):
 
 @dataclass(frozen=True, slots=True)
 class Operation(Node):
-    """A function of one operand (a name of FUNCTIONS, or "-"), or the power of two ("**")."""
+    """A function of one operand (a name of FUNCTIONS, or "-"), the power of two ("**"), or abs, min, max of any.
+
+    nonsmooth.py replaces abs, min and max by operations of its own, "abs tanh" and the like; see stand_ins.py.
+    """
 
     symbol: str
     operands: tuple[Node, ...]
@@ -55,6 +72,14 @@ class Chain(Node):
     steps: tuple[Step, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class External(Node):
+    """A function that is no expression: `function(values of the operands by name, functions)`."""
+
+    function: Callable[[dict, Any], Any]
+    operands: tuple[Name, ...]
+
+
 def read(text: str) -> Node:
     """The tree of a tidy text. Raises ExpressionError: what is wrong, where in the text, and how to mend it."""
     check(text)
@@ -66,28 +91,47 @@ def read(text: str) -> Node:
     return _node(tree, text, 0)
 
 
+def rate_of(state: str) -> str:
+    """The name of a state's rate: "v[rate]"."""
+    return f"{state}[{RATE}]"
+
+
+def nodes(root: Node) -> Iterator[Node]:
+    """Every node of the tree, from the left, each before those below it."""
+    yield root
+    for node in below(root):
+        yield from nodes(node)
+
+
+def below(node: Node) -> tuple[Node, ...]:
+    """The nodes that a node is made of: operands from the left."""
+    match node:
+        case Operation(operands=operands) | External(operands=operands):
+            return operands
+        case Chain(first=first, steps=steps):
+            return (first, *(step.operand for step in steps))
+    return ()
+
+
+def rebuilt(node: Node, new: Sequence[Node]) -> Node:
+    """The same node made of others."""
+    match node:
+        case Operation() | External():
+            return replace(node, operands=tuple(new))
+        case Chain(steps=steps):
+            kept = (replace(step, operand=operand) for step, operand in zip(steps, new[1:], strict=True))
+            return replace(node, first=new[0], steps=tuple(kept))
+    return node
+
+
 def leaves(root: Node) -> Iterator[Name]:
     """Every name in the tree, from the left."""
-    match root:
-        case Name():
-            yield root
-        case Operation(operands=operands):
-            for operand in operands:
-                yield from leaves(operand)
-        case Chain(first=first, steps=steps):
-            yield from leaves(first)
-            for step in steps:
-                yield from leaves(step.operand)
+    return (node for node in nodes(root) if isinstance(node, Name))
 
 
 def count(root: Node) -> int:
     """Number of nodes: a measure of the size of an expression."""
-    match root:
-        case Operation(operands=operands):
-            return 1 + sum(map(count, operands))
-        case Chain(first=first, steps=steps):
-            return count(first) + sum(1 + count(step.operand) for step in steps)
-    return 1
+    return sum(1 for _ in nodes(root))
 
 
 _SYMBOLS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
@@ -115,13 +159,16 @@ def _leaf(tree: ast.AST, place: tuple[int, int]) -> Node | None:
             return Name(*place, name, None)
         case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=end)) if end in ENDS:
             return Name(*place, name, end)
+        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
+            return Name(*place, rate_of(name), None)
     return None
 
 
 def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> Node | None:
     match tree:
-        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
-            return Operation(*place, name, (_node(argument, text, depth),))
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in CALLABLE:
+            _check_arguments(name, len(arguments), text, place)
+            return Operation(*place, name, tuple(_node(argument, text, depth) for argument in arguments))
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return Operation(*place, "-", (_node(operand, text, depth),))
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
@@ -131,6 +178,14 @@ def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> 
         case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
             return _chain(tree, text, depth)
     return None
+
+
+def _check_arguments(name: str, given: int, text: str, place: tuple[int, int]) -> None:
+    least, most = (2, MAX_ARGUMENTS) if name in ("min", "max") else (1, 1)
+    if not least <= given <= most:
+        wanted = "one argument" if most == 1 else f"2 to {MAX_ARGUMENTS} arguments"
+        what = f"{excerpt(text, *place)}: {name} takes {wanted}, not {given}"
+        raise ExpressionError(what, f"write {name} with {wanted}")
 
 
 def _chain(tree: ast.BinOp, text: str, depth: int) -> Chain:

@@ -15,7 +15,8 @@ from ..transcription.compiler import CompiledNLP
 from ..transcription.costate import costates
 from ..transcription.mesh import Mesh
 from ..transcription.outcome import Outcome, Status
-from ..transcription.schemes import Scheme, find
+from ..transcription.scheme import Scheme
+from ..transcription.schemes import find
 from ..transcription.trajectory import Trajectory, trajectories
 from ..transcription.transcribe import Transcription, transcribe
 from .store import open_result
@@ -39,7 +40,7 @@ def reload(path: Path) -> Reloaded:
     with open_result(path) as file:
         full = file["spec/full"].asstr()[()]
         last = file["mesh"][str(len(file["mesh"]) - 1)]
-        mesh = Mesh(find(last.attrs["method"]), np.diff(last["edges"][:]))
+        mesh = Mesh.of(find(last.attrs["method"]), np.diff(last["edges"][:]).tolist())
         solver = file["solver"]
         outcome = Outcome(
             status=Status[file.attrs["status"].upper()],
@@ -54,7 +55,7 @@ def reload(path: Path) -> Reloaded:
     transcription = transcribe(problem, [mesh] * len(problem.phases))
     nlp = CompiledNLP(transcription.model, transcription.variables)
     phases = trajectories(transcription, outcome.z)
-    if isinstance(mesh.scheme, Scheme):
+    if all(isinstance(scheme, Scheme) for scheme in mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved)

@@ -61,7 +61,7 @@ def verify(path: Path, tolerance: float = 5e-2) -> list[Check]:
 
 
 def _simulation(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
-    stored = trajectory.x[:, :: trajectory.mesh.degree]
+    stored = trajectory.x[:, trajectory.mesh.knots]
     simulated = simulate(trajectory)
     scale = np.ptp(trajectory.dense.x, axis=1)
     scale[scale == 0] = 1.0
@@ -126,7 +126,7 @@ class _Hamiltonian:
         self.trajectory, self.sense = result.trajectories[number], result.problem.sense
         self.phase: Phase = self.trajectory.phase
         mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
-        self.points = np.unique(mesh.collocated)
+        self.points = mesh.collocated
         self.costate = self.sense * self.trajectory.point_costate[:, self.points]
         self.multipliers = {}
         for family in result.transcription.families:

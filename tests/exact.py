@@ -37,3 +37,21 @@ def growth_costate(t):
 
 
 GROWTH_OBJECTIVE = np.tanh(1)
+
+
+def integration() -> Problem:
+    """No control, nothing to optimise: dx/dt = x cos(3 t), x(0) = 1 on [0, 2], J = integral of x cos(3 t).
+
+    x = exp(sin(3 t) / 3), so J = x(2) - 1.
+    """
+    guess = Guess(0.0, 2.0, np.array([0.0, 1.0]), {"x": np.ones(2)})
+
+    def rate(v, m):
+        return v["x"] * m.cos(3 * v["t"])
+
+    phase = Phase("main", fixed(0), fixed(2), (State("x", rate=rate, initial=fixed(1)),), (), guess, lagrange=rate)
+    return Problem("integration", 1, (phase,))
+
+
+def integration_state(t):
+    return np.exp(np.sin(3 * t) / 3)

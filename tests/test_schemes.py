@@ -5,39 +5,119 @@ import pytest
 
 from trajopt.problems.errors import SpecError
 from trajopt.transcription.polynomials import integrated_basis, lagrange_basis
-from trajopt.transcription.schemes import COLLOCATION, FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, Scheme, find
+from trajopt.transcription.scheme import Scheme
+from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, METHODS, TRAPEZOID, find
 
+COLLOCATION = {name: find(name) for name in METHODS if name != "finite-difference"}
+COLLOCATION |= {f"{name} {n} {form}": find(name, n, form) for name in ("gauss", "radau", "radau-left", "lobatto", "chebyshev")
+                for n in (1, 2, 3, 7, 20, 60) for form in ("integral", "differential")}
 SCHEMES = pytest.mark.parametrize("scheme", COLLOCATION.values(), ids=COLLOCATION)
 TAU = np.linspace(0, 1, 11)
 
 
+def chebyshev(k):
+    """The Chebyshev polynomial of degree k on [0, 1]: of size 1 everywhere, unlike a monomial."""
+    return np.polynomial.Chebyshev.basis(k, domain=[0, 1])
+
+
 @SCHEMES
-def test_quadrature_is_exact_to_its_degree(scheme):
-    # Points symmetric about the middle integrate one degree more than they interpolate.
-    n = len(scheme.c)
-    degree = n if n % 2 else n - 1
-    for k in range(degree + 1):
-        assert scheme.b @ scheme.c**k == pytest.approx(1 / (k + 1), abs=1e-14)
-    assert abs(scheme.b @ scheme.c ** (degree + 1) - 1 / (degree + 2)) > 1e-3
+def test_quadrature_is_exact_to_its_order_and_no_further(scheme):
+    for k in range(scheme.order):
+        polynomial = np.polynomial.Legendre.basis(k, domain=[0, 1])
+        assert scheme.b @ polynomial(scheme.c) == pytest.approx(float(k == 0), abs=2e-14)
+    beyond = np.polynomial.Legendre.basis(scheme.order, domain=[0, 1])
+    assert abs(scheme.b @ beyond(scheme.c)) > 1e-7
+    assert (scheme.b > 0).all()
 
 
 @SCHEMES
 def test_defects_vanish_for_polynomials_and_only_for_them(scheme):
     n = len(scheme.c)
-    for k in range(1, n + 1):
-        assert scheme.L @ scheme.sigma**k == pytest.approx(scheme.R @ (k * scheme.c ** (k - 1)), abs=1e-14)
-    k = n + 2
-    assert np.abs(scheme.L @ scheme.sigma**k - scheme.R @ (k * scheme.c ** (k - 1))).max() > 1e-3
+    size = np.abs(scheme.L).max()
+    for k in range(n + 1):
+        defect = scheme.L @ chebyshev(k)(scheme.sigma) - scheme.R @ chebyshev(k).deriv()(scheme.c)
+        assert defect == pytest.approx(0, abs=2e-14 * size * (1 + k**2))
+    k = n + 1 + (n % 2)  # the next degree vanishes too where the points are symmetric
+    defect = scheme.L @ chebyshev(k)(scheme.sigma) - scheme.R @ chebyshev(k).deriv()(scheme.c)
+    assert np.abs(defect).max() > 1e-3
 
 
 @SCHEMES
 def test_state_interpolant_has_the_collocated_slopes(scheme):
-    rng = np.random.default_rng(1)
-    f = rng.normal(size=len(scheme.c))
-    step = 1e-6
-    slope = (scheme.interpolant(scheme.c + step).F - scheme.interpolant(scheme.c - step).F) @ f / (2 * step)
-    assert slope == pytest.approx(f, abs=1e-8)
-    assert scheme.interpolant(scheme.c).dF @ f == pytest.approx(f, abs=1e-14)
+    n = len(scheme.c)
+    f = np.cos(3 * scheme.c)
+    at_nodes = scheme.interpolant(scheme.c)
+    assert at_nodes.dF @ f == pytest.approx(f, abs=1e-13)
+    assert scheme.interpolant(np.zeros(1)).F == pytest.approx(0, abs=1e-15)
+    # The integral of a polynomial that f carries exactly.
+    polynomial = chebyshev(n - 1)
+    integral = polynomial.integ(lbnd=0)
+    assert scheme.interpolant(TAU).F @ polynomial(scheme.c) == pytest.approx(integral(TAU), abs=1e-13)
+
+
+@pytest.mark.parametrize("name", ["gauss", "radau", "radau-left", "lobatto", "chebyshev"])
+@pytest.mark.parametrize("n", [1, 2, 3, 7, 20, 60])
+def test_integral_and_differential_form_have_the_same_solutions(name, n):
+    """The state nodes that either form gives for arbitrary dynamics."""
+    f = np.cos(3 * find(name, n).c)
+    states = []
+    for form in ("integral", "differential"):
+        scheme = find(name, n, form)
+        states.append(np.linalg.solve(scheme.L[:, 1:], scheme.R @ f - scheme.L[:, 0]))  # x_0 = 1, h = 1
+        assert form == "integral" or np.count_nonzero(scheme.R, axis=1).max() <= 2
+    assert states[1] == pytest.approx(states[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 20, 60])
+def test_nodes_are_the_roots_that_define_their_family(n):
+    """To 1e-14: one Newton step from a node, with the polynomials evaluated by mpmath, moves it by less."""
+    mpmath = pytest.importorskip("mpmath")
+    mpmath.mp.dps = 40
+
+    def newton(function, tau):
+        x = 2 * mpmath.mpf(float(tau)) - 1
+        return float(function(x) / mpmath.diff(function, x) / 2)
+
+    P = mpmath.legendre
+    families = {
+        "gauss": (find("gauss", n).c, lambda x: P(n, x)),
+        "radau": (find("radau", n).c[:-1], lambda x: (P(n, x) - P(n - 1, x)) / (x - 1)),
+        "radau-left": (find("radau-left", n).c[1:], lambda x: (P(n, x) + P(n - 1, x)) / (x + 1)),
+        "lobatto": (find("lobatto", n).c[1:-1], lambda x: n * (P(n - 1, x) - x * P(n, x)) / (1 - x**2)),
+    }
+    for name, (nodes, polynomial) in families.items():
+        assert [newton(polynomial, tau) for tau in nodes] == pytest.approx([0] * len(nodes), abs=1e-14), name
+
+
+def test_clenshaw_curtis_weights():
+    """Paper, D.4: the quadrature of Chebyshev points, against the classic formula for even n."""
+    n = 8
+    theta = np.pi * np.arange(n + 1) / n
+    w = np.ones(n + 1)
+    for k in range(1, n // 2):
+        w -= 2 * np.cos(2 * k * theta) / (4 * k**2 - 1)
+    w -= np.cos(n * theta) / (n**2 - 1)
+    w *= 1 / n  # 2/n on [-1, 1]
+    w[[0, -1]] /= 2
+    assert find("chebyshev", n).b == pytest.approx(w, abs=1e-15)
+
+
+@pytest.mark.parametrize(("name", "degree", "same"), [("lobatto", 1, "trapezoid"), ("lobatto", 2, "hermite-simpson")])
+def test_the_papers_methods_are_the_lowest_lobatto_schemes(name, degree, same):
+    a, b = find(name, degree, "integral"), find(same)
+    assert a.c == pytest.approx(b.c)
+    assert np.linalg.solve(a.L[:, 1:], a.R) == pytest.approx(np.linalg.solve(b.L[:, 1:], b.R), abs=1e-15)
+
+
+@pytest.mark.parametrize(("name", "degree"), [("gauss", 61), ("radau", 0)])
+def test_degrees_out_of_range_are_refused(name, degree):
+    with pytest.raises(SpecError, match="1 to 60"):
+        find(name, degree)
+
+
+def test_a_method_of_one_degree_takes_no_degree():
+    with pytest.raises(SpecError, match="has one degree"):
+        find("trapezoid", 3)
 
 
 def test_the_interpolant_of_differences_has_the_values_and_slopes_of_both_ends():

@@ -24,7 +24,8 @@ class Family:
 
     kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
     state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
-    of the points of a constraint that holds over time, else 1. row: of the scheme's defects, else 0.
+    of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
+    component that holds several rows of each segment has a tuple of them.
     """
 
     component: Constraint
@@ -33,7 +34,8 @@ class Family:
     name: str
     span: np.ndarray
     weights: np.ndarray
-    row: int = 0
+    group: int = 0
+    row: int | tuple[int, ...] = 0
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ class PhaseBuilder:
         self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
+        self.owners: dict[int, np.ndarray] = {}
 
     def stored(self) -> dict[str, np.ndarray]:
         """The points at which each state is a variable."""
@@ -90,11 +93,12 @@ class PhaseBuilder:
             bound(block.component(name), bounds, value)
             block.component(name).fixed = bounds.fixed
         block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
-        block.collocated = Set(initialize=np.unique(mesh.collocated).tolist())
+        block.collocated = Set(initialize=mesh.collocated.tolist())
         self.data("fraction", block.point, mesh.fractions)
         stored = self.stored()
         block.x = Var([(name, k) for name, points in stored.items() for k in points.tolist()])
-        block.u = Var([control.name for control in phase.controls], block.collocated)
+        if phase.controls:  # Pyomo's LaTeX printer fails on a component without members
+            block.u = Var([control.name for control in phase.controls], block.collocated)
         if phase.algebraic:
             block.z = Var([algebraic.name for algebraic in phase.algebraic], block.collocated)
         for state in phase.states:
@@ -122,11 +126,11 @@ class PhaseBuilder:
     def duration(self):
         return self.block.tF - self.block.t0
 
-    def at(self, k, states: Iterable[str]) -> dict:
-        """p, t, u and the named states at point k."""
+    def at(self, k, states: Iterable[str], inputs: bool = True) -> dict:
+        """p, t, the inputs if there are any, and the named states at point k."""
         block = self.block
         values = {**self.p, "t": block.t0 + self.duration * block.fraction[k]}
-        values |= {name: component[name, k] for component, name in self.inputs}
+        values |= {name: component[name, k] for component, name in self.inputs if inputs}
         return values | {name: block.x[name, k] for name in states}
 
     def _ends(self) -> dict:
@@ -147,23 +151,23 @@ class PhaseBuilder:
         self._bounds_of_computed_states()
         for i, constraint in enumerate(self.phase.boundary):
 
-            def rule(block, c=constraint):
+            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
                 return _between(c.bounds, c.function(self._ends(), pyomo))
 
             self.add(f"boundary{i}", None, rule, "boundary", constraint.name, (0.0, 1.0))
         for i, constraint in enumerate(self.phase.integral):
 
-            def rule(block, c=constraint):
+            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
                 return _between(c.bounds, self.integral(c.function))
 
             self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
 
-    def add(self, component: str, over, rule, kind: str, name: str, span, weights=1.0, row: int = 0) -> None:
+    def add(self, component: str, over, rule, kind: str, name: str, span, weights=1.0, group=0, row=0) -> None:
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
-        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, row))
+        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, group, row))
 
     def _everywhere(self, component: str, constraint, kind: str) -> None:
         """A constraint at every collocation point (paper, 3.3 and 4.3)."""

@@ -2,9 +2,12 @@
 
 On segment s of duration h, with the states x_i at the scheme's state nodes and the dynamics f_j at its collocation nodes,
 
-    defect<r>_<state>[s]:    sum_i L[r, i] x_i  ==  h sum_j R[r, j] f_j
+    sum_i L[r, i] x_i  ==  h sum_j R[r, j] f_j
 
 A state that the scheme eliminates is no variable: it is written out wherever it occurs, from the defect that defines it.
+Segments of one scheme share their templates. Where a defect has the dynamics of two nodes at most (the differential form),
+its rows differ only in their coefficients, so that one template, indexed by row, serves all rows of all segments,
+whatever the degree; otherwise there is one template for each row, indexed by segment.
 """
 
 from __future__ import annotations
@@ -13,32 +16,45 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyomo.core as pyomo
-from pyomo.core import Set
+from pyomo.core import RangeSet, Set
 
 from ..problems.problem import State
 from .builder import PhaseBuilder, Place
+from .mesh import Group
 
 
 class CollocationBuilder(PhaseBuilder):
-    """Fills the block of one phase by a `schemes.Scheme`."""
+    """Fills the block of one phase by the `schemes.Scheme` of each of its segments."""
 
     def __init__(self, *args):
         super().__init__(*args)
-        self.scheme, self.eliminated = self.mesh.scheme, dict(self.mesh.scheme.eliminated)
         self.names = [state.name for state in self.phase.states]
+        gone = [g.nodes[:, [node for node, _ in g.scheme.eliminated]].ravel() for g in self.mesh.groups]
+        gone = np.concatenate(gone)
+        self.kept = np.setdiff1d(self.mesh.slot_points, gone)
+        self.explicit = np.setdiff1d(self.mesh.collocated, gone)
 
     def stored(self) -> dict[str, np.ndarray]:
-        points = np.setdiff1d(self.mesh.nodes, self.mesh.nodes[:, list(self.eliminated)])
-        return dict.fromkeys(self.names, points)
+        return dict.fromkeys(self.names, self.kept)
 
     def variables(self, guess) -> None:
         super().variables(guess)
         block, mesh = self.block, self.mesh
-        self.explicit = explicit = np.setdiff1d(mesh.collocated, mesh.nodes[:, list(self.eliminated)])
-        block.explicit = Set(initialize=explicit.tolist())
+        block.explicit = Set(initialize=self.explicit.tolist())
+        self.data("weight", block.explicit, mesh.weights[self.explicit])
         self.data("first", block.segment, mesh.first)
         self.data("width", block.segment, mesh.widths)
-        self.data("weight", block.explicit, mesh.weights[explicit])
+        self.members = [self._set_of(f"segment{i}", g.segments) for i, g in enumerate(mesh.groups)]
+
+    def _set_of(self, name: str, segments: np.ndarray):
+        """The Set of a group's segments; the Set of all segments if they are all."""
+        if len(segments) == self.mesh.segments:
+            over = self.block.segment
+        else:
+            over = Set(initialize=segments.tolist())
+            self.block.add_component(name, over)
+        self.owners[id(over)] = segments
+        return over
 
     def h(self, s):
         return self.duration * self.block.width[s]
@@ -56,60 +72,113 @@ class CollocationBuilder(PhaseBuilder):
                 computed={},
             )
         ]
-        for node in self.eliminated:
-            b = float(self.scheme.b[self.scheme.collocated.index(node)])
-            places.append(
-                Place(
-                    name=f"_node{node}",
-                    over=block.segment,
-                    values=lambda s, node=node: self._nodes(s)[node],
-                    weight=lambda s, b=b: self.h(s) * b,
-                    points=mesh.nodes[:, node],
-                    quadrature=mesh.weights[mesh.nodes[:, node]],
-                    computed={state.name: state.bounds for state in self.phase.states},
+        for i, (group, over) in enumerate(zip(mesh.groups, self.members, strict=True)):
+            for node, _ in group.scheme.eliminated:
+                b = float(group.scheme.b[group.scheme.collocated.index(node)])
+                places.append(
+                    Place(
+                        name=f"_group{i}_node{node}",
+                        over=over,
+                        values=lambda s, scheme=group.scheme, node=node: self._nodes(scheme, s)[node],
+                        weight=lambda s, b=b: self.h(s) * b,
+                        points=group.nodes[:, node],
+                        quadrature=mesh.weights[group.nodes[:, node]],
+                        computed={state.name: state.bounds for state in self.phase.states},
+                    )
                 )
-            )
         return places
 
     def end_values(self, last: bool) -> dict:
-        return self.at(self.last if last else 0, self.names)
+        """The states at the end, and the inputs there: extrapolated where the end is no collocation point."""
+        k = self.last if last else 0
+        values = self.at(k, self.names, inputs=k in self.block.collocated)
+        if k not in self.block.collocated:
+            scheme, tau = self.mesh.schemes[-1 if last else 0], float(last)
+            weights = scheme.interpolant(np.array([tau])).U[0]
+            points = self.mesh.first[-1 if last else 0] + np.array(scheme.collocated)
+            for component, name in self.inputs:
+                values[name] = _dot(weights, [component[name, int(j)] for j in points])
+        return values
 
     def dynamics(self) -> None:
-        segments = self.mesh.edges[:-1], self.mesh.edges[1:]
+        for i, (group, over) in enumerate(zip(self.mesh.groups, self.members, strict=True)):
+            if group.scheme.point_rows is None:
+                self._rows_by_segment(group, over, i)
+            else:
+                self._rows_by_point(group, i)
+
+    def _rows_by_segment(self, group: Group, over, number: int) -> None:
+        span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
         for state in self.phase.states:
-            for r in self.scheme.rows:
+            for r in group.scheme.rows:
 
                 def rule(block, s, r=r, state=state):
-                    return self._defect(s, r, state)
+                    return self._defect(group.scheme, s, r, state)
 
-                self.add(f"defect{r}_{state.name}", self.block.segment, rule, "defect", state.name, segments, row=r)
+                self.add(f"defect{number}_{state.name}_{r}", over, rule, "defect", state.name, span, group=number, row=r)
 
-    def _defect(self, s, r: int, state: State):
-        nodes = self._nodes(s)
+    def _defect(self, scheme, s, r: int, state: State):
+        nodes = self._nodes(scheme, s)
         x = [node[state.name] for node in nodes]
-        f = self._rates(state, nodes, self.scheme.R[r])
-        return _dot(self.scheme.L[r], x) == self.h(s) * _dot(self.scheme.R[r], f)  # (3.3), (4.3), (4.4)
+        f = self._rates(scheme, state, nodes, scheme.R[r])
+        return _dot(scheme.L[r], x) == self.h(s) * _dot(scheme.R[r], f)  # (3.3), (4.3), (4.4)
 
-    def _nodes(self, s) -> list[dict]:
+    def _nodes(self, scheme, s) -> list[dict]:
         """The values at the nodes of segment s; eliminated states are expressions of the others."""
-        scheme = self.scheme
+        eliminated, first = dict(scheme.eliminated), self.block.first[s]
         nodes = [
-            self.at(self.block.first[s] + i, () if i in self.eliminated else self.names)
+            self.at(first + i, () if i in eliminated else self.names, inputs=i in scheme.collocated)
             for i in range(len(scheme.sigma))
         ]
-        for node, row in self.eliminated.items():
+        for node, row in eliminated.items():
             for state in self.phase.states:
                 x = [other.get(state.name) for other in nodes]
-                f = self._rates(state, nodes, scheme.R[row])
+                f = self._rates(scheme, state, nodes, scheme.R[row])
                 nodes[node][state.name] = scheme.eliminate(node, row, x, f, self.h(s))
         return nodes
 
-    def _rates(self, state: State, nodes: list[dict], weights: np.ndarray) -> list:
+    def _rates(self, scheme, state: State, nodes: list[dict], weights: np.ndarray) -> list:
         """f at the collocation nodes whose weight is not zero, None at the others."""
-        pairs = zip(self.scheme.collocated, weights, strict=True)
+        pairs = zip(scheme.collocated, weights, strict=True)
         return [state.rate(nodes[i], pyomo) if weight else None for i, weight in pairs]
+
+    def _rows_by_point(self, group: Group, number: int) -> None:
+        """sum_i L[r, i] x_i == h (a_r f_own + b_r f_other), with the coefficients as data of each row of each segment."""
+        scheme, mesh, size = group.scheme, self.mesh, len(group.segments)
+        for kind, rows in scheme.point_rows:
+            index = f"defect{number}_{kind}"
+            over = RangeSet(0, size * len(rows) - 1)
+            self.block.add_component(f"{index}_row", over)
+            self.owners[id(over)] = np.repeat(group.segments, len(rows))
+            data = {
+                "first": np.repeat(mesh.first[group.segments], len(rows)),
+                "width": np.repeat(mesh.widths[group.segments], len(rows)),
+                **{f"L{i}": np.tile(scheme.L[rows, i], size) for i in range(len(scheme.sigma))},
+            }
+            terms = scheme.rate_terms(rows)
+            for j, (nodes, weights) in enumerate(terms):
+                data[f"point{j}"] = (mesh.first[group.segments, None] + nodes).ravel()
+                data[f"R{j}"] = np.tile(weights, size)
+            columns = {name: self._column(f"{index}_{name}", over, values) for name, values in data.items()}
+            times = mesh.fractions[data["point0"]] if terms else np.repeat(mesh.edges[group.segments + 1], len(rows))
+            for state in self.phase.states:
+
+                def rule(block, q, state=state, c=columns, count=len(terms)):
+                    x = [block.x[state.name, c["first"][q] + i] for i in range(len(scheme.sigma))]
+                    left = sum([c[f"L{i}"][q] * x[i] for i in range(len(x))])
+                    f = [state.rate(self.at(c[f"point{j}"][q], self.names), pyomo) for j in range(count)]
+                    right = sum([c[f"R{j}"][q] * f[j] for j in range(count)])
+                    return left == self.duration * c["width"][q] * right if count else left == 0.0
+
+                name = f"{index}_{state.name}"
+                self.add(name, over, rule, "defect", state.name, (times, times), group=number, row=tuple(rows))
+
+    def _column(self, name: str, over, values: np.ndarray):
+        self.data(name, over, values)
+        return self.block.component(name)
 
 
 def _dot(weights: np.ndarray, values: Sequence):
     """sum_i weights[i] * values[i], with no term where the weight is zero."""
-    return sum(value if w == 1 else float(w) * value for w, value in zip(weights, values, strict=True) if w)
+    # A list, not a generator: Pyomo takes a sum over a generator for a sum over a Set.
+    return sum([value if w == 1 else float(w) * value for w, value in zip(weights, values, strict=True) if w])

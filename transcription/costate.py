@@ -22,60 +22,61 @@ import numpy as np
 
 from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
-from .mesh import Mesh
 from .outcome import Outcome
 
 
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
-    """lambda for each phase, shape (n_x, N, d + 1): at the state nodes of every segment, in J per unit of state."""
+    """lambda for each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state."""
     return [transcription.problem.sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
 
 
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:
-    mesh, scheme = layout.mesh, layout.mesh.scheme
-    costate = np.full((len(layout.phase.states), mesh.segments, mesh.degree + 1), np.nan)
-    mu = _defect_multipliers(layout, transcription, nlp, outcome)
-    inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < mesh.degree]
-    nodes = [scheme.collocated[j] for j in inner]
-    costate[:, :, nodes] = -(mu @ scheme.R[list(scheme.rows)][:, inner]) / scheme.b[inner]  # (1)
-    start, end = _knot_gradients(layout, transcription, nlp, outcome)
-    costate[:, :, 0], costate[:, :, -1] = start, -end  # (2)
+    mesh = layout.mesh
+    costate = np.full((len(layout.phase.states), len(mesh.slot_points)), np.nan)
+    for number, group in enumerate(mesh.groups):
+        mu = _defect_multipliers(layout, number, transcription, nlp, outcome)
+        scheme = group.scheme
+        inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < len(scheme.sigma) - 1]
+        slots = group.slots[:, [scheme.collocated[j] for j in inner]]
+        costate[:, slots] = -(mu @ scheme.R[:, inner]) / scheme.b[inner]  # (1)
+    start, end = _knot_gradients(layout, nlp, outcome)
+    costate[:, mesh.offset], costate[:, mesh.offset + mesh.degrees] = start, -end  # (2)
     return costate
 
 
-def _defect_multipliers(layout, transcription, nlp, outcome) -> np.ndarray:
-    """mu, shape (n_x, N, rows of the scheme)."""
-    defects = [f for f in transcription.families if f.kind == "defect" and f.phase == layout.phase.name]
-    y = [outcome.y[nlp.rows(family.component)] for family in defects]
-    return np.reshape(y, (len(layout.phase.states), -1, layout.mesh.segments)).swapaxes(1, 2)
+def _defect_multipliers(layout: Layout, number: int, transcription, nlp, outcome) -> np.ndarray:
+    """mu of one group of segments, shape (n_x, G, d); 0 for the rows that define an eliminated state."""
+    group, names = layout.mesh.groups[number], [state.name for state in layout.phase.states]
+    mu = np.zeros((len(names), len(group.segments), len(group.scheme.L)))
+    for family in transcription.families:
+        if (family.kind, family.phase, family.group) == ("defect", layout.phase.name, number):
+            y = outcome.y[nlp.rows(family.component)]
+            rows = [family.row] if isinstance(family.row, int) else list(family.row)
+            mu[names.index(family.name)][:, rows] = y.reshape(len(group.segments), len(rows))
+    return mu
 
 
-def _knot_gradients(layout, transcription, nlp, outcome) -> tuple[np.ndarray, np.ndarray]:
+def _knot_gradients(layout: Layout, nlp: CompiledNLP, outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
     """d L_s / d x at the first and at the last node of every segment, two arrays (n_x, N)."""
-    block = transcription.model.phase[layout.phase.name]
-    first, last = layout.mesh.nodes[:, 0], layout.mesh.nodes[:, -1]
-    start, end = np.zeros((2, len(layout.x), layout.mesh.segments))
-    share = _right_shares(layout.mesh)
+    mesh = layout.mesh
+    start, end = np.zeros((2, len(layout.x), mesh.segments))
+    # At a knot, the terms of a point belong to either segment by their parts of its quadrature weight.
+    parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
+    left, right = parts[mesh.offset], parts[mesh.offset + mesh.degrees]
     for over, index, columns, terms in nlp.lagrangian_terms(outcome.z, outcome.y):
-        for i, x in enumerate(layout.x):
-            if over is block.segment:  # terms of one segment
-                start[i] += _sum_where(columns == x[first, None], terms)
-                end[i] += _sum_where(columns == x[last, None], terms)
-            elif over is block.explicit:  # terms of one point: at a knot, part of them belongs to either segment
+        if (owners := layout.owners.get(id(over))) is not None:
+            for i, x in enumerate(layout.x):
+                start[i] += _per_segment(columns == x[mesh.knots[owners], None], terms, owners, mesh.segments)
+                end[i] += _per_segment(columns == x[mesh.knots[owners + 1], None], terms, owners, mesh.segments)
+        elif id(over) == layout.explicit:
+            for i, x in enumerate(layout.x):
                 at_point = np.zeros(layout.x.shape[1])
-                at_point[index] = _sum_where(columns == x[index, None], terms)
-                start[i] += share[first] * at_point[first]
-                end[i] += (1 - share[last]) * at_point[last]
+                at_point[index] = np.where(columns == x[index, None], terms, 0.0).sum(axis=1)
+                start[i] += left * at_point[mesh.knots[:-1]]
+                end[i] += right * at_point[mesh.knots[1:]]
     return start, end
 
 
-def _sum_where(mask: np.ndarray, terms: np.ndarray) -> np.ndarray:
-    return np.where(mask, terms, 0.0).sum(axis=1)
-
-
-def _right_shares(mesh: Mesh) -> np.ndarray:
-    """The part of each point's quadrature weight that it has as the first node of a segment, shape (K,)."""
-    scheme, share = mesh.scheme, np.zeros(len(mesh.fractions))
-    if scheme.c[0] == 0:
-        share[mesh.first] = mesh.widths * scheme.b[0] / mesh.weights[mesh.first]
-    return share
+def _per_segment(mask: np.ndarray, terms: np.ndarray, owners: np.ndarray, segments: int) -> np.ndarray:
+    """The sum of the masked terms of each segment, shape (N,)."""
+    return np.bincount(owners, weights=np.where(mask, terms, 0.0).sum(axis=1), minlength=segments)

@@ -254,8 +254,9 @@ def _functions(phase: Phase) -> Iterator[tuple]:
 
 
 def _point_values(trajectory: Trajectory) -> dict:
-    """Names -> values at the collocation points, where the functions are evaluated."""
+    """Names -> values at the collocation points; without those where a computed state has no value for itself."""
     points = np.unique(trajectory.mesh.collocated)
+    points = points[np.isfinite(np.vstack([trajectory.x, trajectory.u])[:, points]).all(axis=0)]
     x, u = trajectory.x[:, points], trajectory.u[:, points]
     return trajectory.phase.values(trajectory.times[points], x, u, trajectory.parameters)
 

@@ -52,18 +52,21 @@ def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
 
 def _eta(trajectory: Trajectory) -> np.ndarray:
     """Romberg quadrature of |epsilon| over every segment, shape (n_x, N), refined where it has not converged."""
-    breaks = np.union1d(trajectory.mesh.scheme.c, [0.0, 1.0])
-    pieces = list(zip(breaks[:-1], breaks[1:], strict=True))
     eta = np.full((len(trajectory.phase.states), trajectory.mesh.segments), np.nan)
-    open_ = np.arange(trajectory.mesh.segments)
-    for level in ROMBERG_LEVELS:
-        new = trajectory.h[open_] * sum(_romberg(_piece(trajectory, open_, a, b, level), b - a) for a, b in pieces)
-        change = np.abs(new - eta[:, open_])
-        eta[:, open_] = new
-        settled = (change <= ROMBERG_TOLERANCE * eta.max(axis=1, keepdims=True) + EPSILON_FLOOR).all(axis=0)
-        open_ = open_[~settled]
-        if not len(open_):
-            break
+    for group in trajectory.mesh.groups:
+        breaks = np.union1d(group.scheme.c, [0.0, 1.0])
+        pieces = list(zip(breaks[:-1], breaks[1:], strict=True))
+        open_ = group.segments
+        for level in ROMBERG_LEVELS:
+            new = sum(_romberg(_piece(trajectory, open_, a, b, level), b - a) for a, b in pieces)
+            new *= trajectory.h[open_]
+            change = np.abs(new - eta[:, open_])
+            eta[:, open_] = new
+            scale = eta[:, group.segments].max(axis=1, keepdims=True)
+            settled = (change <= ROMBERG_TOLERANCE * scale + EPSILON_FLOOR).all(axis=0)
+            open_ = open_[~settled]
+            if not len(open_):
+                break
     return eta
 
 

@@ -40,7 +40,7 @@ def _write_nl(model, targets: Sequence[Path]) -> None:
 
     with ExitStack() as stack:
         streams = [stack.enter_context(stack.enter_context(replacing(t)).open("w", newline="")) for t in targets]
-        NLWriter().write(model, *streams, symbolic_solver_labels=True)
+        NLWriter().write(model, *streams, symbolic_solver_labels=True, linear_presolve=False)
 
 
 def _write_gams(model, targets: Sequence[Path]) -> None:

@@ -39,21 +39,19 @@ def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray,
 
 
 def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
-    """-(dr/dz)^-1 r at every time, shape (n_z, M); derivatives by the complex step, exact to rounding."""
+    """-(dr/dz)^-1 r at every time, shape (n_z, M); derivatives by the complex step, exact to rounding.
+
+    All shifted inputs are evaluated at once: one row for each algebraic variable, and the unshifted one.
+    """
     n, size = len(phase.controls), len(phase.algebraic)
-    residual = _residuals(phase, t, x, u, p)
-    jacobian = np.empty((len(t), size, size))
-    for j in range(size):
-        shifted = u.astype(complex)
-        shifted[n + j] += COMPLEX_STEP * 1j
-        jacobian[:, :, j] = _residuals(phase, t, x, shifted, p).imag.T / COMPLEX_STEP
+    shifts = np.zeros((len(u), size + 1, 1), complex)
+    shifts[n + np.arange(size), np.arange(size)] = COMPLEX_STEP * 1j
+    values = phase.values(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
+    rows = [np.broadcast_to(r.function(values, np), (size + 1, len(t))) for r in phase.residuals]
+    residual = np.stack([row[-1].real for row in rows])
+    jacobian = np.stack([row[:-1].imag for row in rows]).transpose(2, 0, 1) / COMPLEX_STEP
     singular = ~(np.abs(np.linalg.det(jacobian)) > 0)
     jacobian[singular] = np.eye(size)
     step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
     step[:, singular] = np.nan
     return step
-
-
-def _residuals(phase: Phase, t, x, u, p) -> np.ndarray:
-    values = phase.values(t, x, u, p)
-    return np.stack([np.broadcast_to(r.function(values, np), t.shape) for r in phase.residuals])

@@ -42,7 +42,9 @@ class Status(Enum):
         -10, "there are more equality constraints than unknowns",
         "free a boundary value, or add a control or a free final time")
     INVALID_PROBLEM = (-11, "IPOPT refused the problem's definition", "look for a lower bound above its upper bound")
-    INVALID_OPTION = (-12, "IPOPT refused an option", "check the 'solver:' section")
+    INVALID_OPTION = (
+        -12, "IPOPT could not use an option",
+        "check the 'solver:' section; a linear solver of the HSL needs 'hsllib: <its library>' too")
     INVALID_NUMBER = (
         -13, "a function had no finite value where IPOPT had to have one",
         "bound the variables of the expression named away from that point, or change the guess")

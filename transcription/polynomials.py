@@ -28,6 +28,40 @@ def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     return terms / terms.sum(axis=1, keepdims=True)
 
 
+def differentiation_matrix(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    """Slopes at some of the nodes c, shape (n,), of the polynomial through values at c: shape (m, n) (paper, (D.6)).
+
+    tau: (m,), each one of the nodes. The diagonal is minus the sum of the row, so that constants have slope zero exactly.
+    """
+    v = barycentric_weights(c)
+    own = np.array([int(np.flatnonzero(c == t)[0]) for t in tau])
+    distance = c[own, None] - c[None, :]
+    distance[np.arange(len(own)), own] = 1.0
+    D = (v[None, :] / v[own, None]) / distance
+    D[np.arange(len(own)), own] = 0.0
+    D[np.arange(len(own)), own] = -D.sum(axis=1)
+    return D
+
+
+def jacobi_nodes(n: int, alpha: int, beta: int) -> np.ndarray:
+    """Roots on [0, 1] of the Jacobi polynomial of degree n for the weight (1 - tau)^alpha tau^beta, shape (n,), increasing.
+
+    Golub and Welsch: eigenvalues of the symmetric tridiagonal matrix of the three-term recurrence, accurate to rounding.
+    """
+    k, sum_ = np.arange(n, dtype=float), alpha + beta
+    with np.errstate(invalid="ignore"):
+        diagonal = (beta**2 - alpha**2) / ((2 * k + sum_) * (2 * k + sum_ + 2))
+    diagonal[:1] = (beta - alpha) / (sum_ + 2)
+    k = k[1:]
+    square = 4 * k * (k + alpha) * (k + beta) * (k + sum_)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        square /= (2 * k + sum_) ** 2 * (2 * k + sum_ + 1) * (2 * k + sum_ - 1)
+    if sum_ == 0 and n > 1:
+        square[0] = 1 / 3  # the limit of 0/0 for Legendre polynomials
+    matrix = np.diag(diagonal) + np.diag(np.sqrt(square), 1) + np.diag(np.sqrt(square), -1)
+    return (1 + np.linalg.eigvalsh(matrix)) / 2
+
+
 def integrated_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """Integrals of the Lagrange polynomials of the nodes c from 0 to tau, shape (m, n).
 

@@ -1,146 +1,154 @@
-"""A collocation scheme is data: the nodes of one segment and the linear combinations that make its defects.
+"""The table of methods: each is a `Scheme`, or a family of schemes with a degree to choose.
 
-On a segment of duration h the states live at the nodes sigma_0 = 0 < ... < sigma_d = 1 and the dynamics are collocated
-at the nodes c_j, a subset of sigma. With x_i the state at sigma_i and f_j the dynamics at c_j, every scheme asks that
-
-    sum_i L[r, i] x_i  =  h  sum_j R[r, j] f_j,      r = 0, 1, ..., d - 1                             (the defects)
-
-and everything else follows from the same nodes:
-
-    b_j      = integral of l_j over [0, 1]                               quadrature weights
-    u(tau)   = sum_j u_j l_j(tau)                                        control interpolant
-    x(tau)   = x_0 + h sum_j f_j (integral of l_j over [0, tau])         state interpolant
-
-where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was solved.
-Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
+Adding a method is adding a row; its defects, interpolants, quadrature, costates and error estimate follow, and the tests
+of exactness, order and costates run over the table.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cached_property
-from typing import NamedTuple
+from functools import cache
 
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
-from .polynomials import integrated_basis, lagrange_basis
+from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
+from .scheme import FiniteDifference, Scheme
+
+MAX_DEGREE = 60
+DEFAULT_DEGREE = 4
+INTEGRAL_DEGREE = 3  # up to here the integral form has few enough dynamics in a defect to be the cheaper one
 
 
-class Interpolant(NamedTuple):
-    """x(tau) = X x_i + h F f_j, dx/dt = dX x_i / h + dF f_j, u(tau) = U u_j at m values of tau.
+@dataclass(frozen=True)
+class Method:
+    """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree.
 
-    X, dX: (m, d + 1) on the state nodes; F, dF, U: (m, n) on the collocation nodes.
-    """
-
-    X: np.ndarray
-    F: np.ndarray
-    dX: np.ndarray
-    dF: np.ndarray
-    U: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Scheme:
-    """One row of the table of methods.
-
-    name: as written in a problem file. order: of convergence of the state at the knots.
-    sigma: (d + 1,) state nodes. c: (n,) collocation nodes. L: (d, d + 1) and R: (d, n), the defects.
-    eliminated: {node: row}; the state at that node is no variable, it is the solution of defect `row`, which must not
-    contain the dynamics at the node itself. Raises ValueError where the data contradict each other.
+    ends: which ends of a segment are collocated. order: in words, n being the degree.
     """
 
     name: str
     family: str
-    order: int
-    sigma: np.ndarray
-    c: np.ndarray
-    L: np.ndarray
-    R: np.ndarray
+    ends: str
+    order: str
     source: str
-    eliminated: tuple[tuple[int, int], ...] = ()
-
-    def __post_init__(self):
-        d, n = len(self.sigma) - 1, len(self.c)
-        if self.L.shape != (d, d + 1) or self.R.shape != (d, n):
-            raise ValueError(f"{self.name}: L and R have shapes {self.L.shape} and {self.R.shape}")
-        if self.sigma[0] != 0 or self.sigma[-1] != 1 or not np.isin(self.c, self.sigma).all():
-            raise ValueError(f"{self.name}: state nodes must run from 0 to 1 and include the collocation nodes")
-        # A defect vanishes for every polynomial the state interpolant can be: x = tau^k has f = k tau^(k-1).
-        for k in range(n + 1):
-            slope = k * self.c ** (k - 1) if k else np.zeros(n)
-            if not np.allclose(self.L @ self.sigma**k, self.R @ slope, atol=1e-13):
-                raise ValueError(f"{self.name}: the defects are not exact for tau^{k}")
-        for node, row in self.eliminated:
-            own = self.c == self.sigma[node]
-            if self.L[row, node] == 0 or self.R[row, own].any():
-                raise ValueError(f"{self.name}: defect {row} does not give the state at node {node} explicitly")
-
-    @cached_property
-    def b(self) -> np.ndarray:
-        """Quadrature weights on the unit segment, shape (n,)."""
-        return integrated_basis(self.c, np.ones(1))[0]
+    nodes: Callable[[int], np.ndarray] | None = None
+    scheme: Scheme | FiniteDifference | None = None
 
     @property
-    def state_interpolant(self) -> str:
-        return f"degree {len(self.c)}"
+    def state(self) -> str:
+        """The degree of the state's interpolant, in words."""
+        if self.scheme is not None:
+            return self.scheme.state_interpolant
+        return "degree n + 1" if self.ends == "both" else "degree n"
 
     @property
-    def control_interpolant(self) -> str:
-        return f"degree {len(self.c) - 1}"
+    def control(self) -> str:
+        """The degree of the control's interpolant, in words."""
+        if self.scheme is not None:
+            return self.scheme.control_interpolant
+        return "degree n" if self.ends == "both" else "degree n - 1"
 
-    @cached_property
-    def collocated(self) -> tuple[int, ...]:
-        """The index in sigma of each collocation node."""
-        return tuple(int(np.flatnonzero(self.sigma == c)[0]) for c in self.c)
-
-    @cached_property
-    def rows(self) -> tuple[int, ...]:
-        """The defects that are constraints of the nonlinear program: those that do not define an eliminated state."""
-        used = {row for _, row in self.eliminated}
-        return tuple(r for r in range(len(self.L)) if r not in used)
-
-    def eliminate(self, node: int, row: int, x, f, h):
-        """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
-        combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
-        combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
-        return combination / float(self.L[row, node])
-
-    def interpolant(self, tau: np.ndarray) -> Interpolant:
-        """The polynomial with the collocated slopes, at tau, shape (m,)."""
-        basis = lagrange_basis(self.c, tau)
-        X = np.zeros((len(tau), len(self.sigma)))
-        X[:, 0] = 1
-        return Interpolant(X, integrated_basis(self.c, tau), np.zeros_like(X), basis, basis)
+    def of_degree(self, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
+        """The scheme; raises SpecError for a degree or a form that it does not have."""
+        if self.scheme is not None:
+            if degree is not None or form is not None:
+                what = f"'{self.name}' has one degree and one form"
+                raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
+            return self.scheme
+        degree = DEFAULT_DEGREE if degree is None else degree
+        if not 1 <= degree <= MAX_DEGREE:
+            raise SpecError(Mistake("mesh.degree", f"degree {degree} is out of range", f"write 1 to {MAX_DEGREE}"))
+        return _orthogonal(self, degree, form or ("integral" if degree <= INTEGRAL_DEGREE else "differential"))
 
 
-@dataclass(frozen=True, eq=False)
-class FiniteDifference:
-    """Second-order central differences for positions; see `finite_difference` for its equations.
+# -- orthogonal collocation (paper, 9.7 and appendix D) ------------------------------------------------------------
 
-    Between the points the state is the cubic Hermite polynomial of its values and slopes, the control is linear.
+
+def gauss(n: int) -> np.ndarray:
+    """Roots of the Legendre polynomial of degree n, shape (n,)."""
+    return jacobi_nodes(n, 0, 0)
+
+
+def radau(n: int) -> np.ndarray:
+    """n points with the right end among them."""
+    return np.append(jacobi_nodes(n - 1, 1, 0), 1.0)
+
+
+def radau_left(n: int) -> np.ndarray:
+    """n points with the left end among them."""
+    return np.append(0.0, jacobi_nodes(n - 1, 0, 1))
+
+
+def lobatto(n: int) -> np.ndarray:
+    """n + 1 points with both ends among them."""
+    return np.concatenate([[0.0], jacobi_nodes(n - 1, 1, 1), [1.0]])
+
+
+def chebyshev(n: int) -> np.ndarray:
+    """n + 1 extreme points of the Chebyshev polynomial of degree n, both ends among them."""
+    return (1 - np.cos(np.pi * np.arange(n + 1) / n)) / 2
+
+
+def quadrature_order(c: np.ndarray) -> int:
+    """The number of leading powers that the interpolatory quadrature on the nodes c integrates exactly."""
+    b = integrated_basis(c, np.ones(1))[0]
+    order = len(c)
+    while order <= 2 * len(c) and abs(b @ _legendre(order, c)) < 1e-12:
+        order += 1
+    return order
+
+
+def _legendre(k: int, c: np.ndarray) -> np.ndarray:
+    """The Legendre polynomial of degree k on [0, 1]; orthogonal to 1, so its exact integral is 0."""
+    return np.polynomial.legendre.Legendre.basis(k, domain=[0, 1])(c)
+
+
+@cache
+def _orthogonal(method: Method, degree: int, form: str) -> Scheme:
+    """The scheme with the collocation nodes of a family.
+
+    Integral form: x_i = x_0 + h sum_j A_ij f_j for every state node after the first, A_ij the integral of l_j.
+    Differential form, which has the same solutions: the slope of the state polynomial is h f_j at every node (Gauss and
+    Radau, (D.6)); for Lobatto points, whose state polynomial has one degree more than there are nodes to carry it,
+    the rows are solved for f_1, f_2, ..., which leaves f_0 in each.
     """
+    c = method.nodes(degree)
+    sigma = np.union1d(c, [0.0, 1.0])
+    d, n = len(sigma) - 1, len(c)
+    A = integrated_basis(c, sigma[1:])
+    L, R = np.hstack([-np.ones((d, 1)), np.eye(d)]), A
+    if form == "differential":
+        L, R = _differential(sigma, c, A, L)
+    return Scheme(
+        name=method.name,
+        family=f"{method.family}, {n} points",
+        order=quadrature_order(c),
+        sigma=sigma,
+        c=c,
+        L=L,
+        R=R,
+        source=method.source,
+        differential=form == "differential",
+    )
 
-    name: str = "finite-difference"
-    family: str = "differences, second order"
-    order: int = 2
-    sigma: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
-    c: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
-    source: str = "An introduction to direct collocation, section 6, (40)-(42)"
-    collocated: tuple[int, ...] = (0, 1)
-    b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
-    state_interpolant: str = "degree 3"
-    control_interpolant: str = "degree 1"
 
-    def interpolant(self, tau: np.ndarray) -> Interpolant:
-        t = np.asarray(tau, float)
-        X = np.stack([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)], axis=1)
-        F = np.stack([t * (1 - t) ** 2, t**2 * (t - 1)], axis=1)
-        dX = np.stack([6 * t * (t - 1), 6 * t * (1 - t)], axis=1)
-        dF = np.stack([(1 - t) * (1 - 3 * t), t * (3 * t - 2)], axis=1)
-        return Interpolant(X, F, dX, dF, lagrange_basis(self.c, t))
+def _differential(sigma: np.ndarray, c: np.ndarray, A: np.ndarray, L: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    d, n = len(sigma) - 1, len(c)
+    if n == d + 1:  # Lobatto: R = A has a row for each f but f_0
+        solve = np.linalg.inv(A[:, 1:])
+        return solve @ L, np.hstack([solve @ A[:, :1], np.eye(d)])
+    # The state polynomial has degree n: Radau's nodes carry it, and Gauss's without the end.
+    D = np.hstack([differentiation_matrix(sigma[: n + 1], c), np.zeros((n, d - n))])
+    if n == d:  # Radau
+        return D, np.eye(n)
+    end = L[-1] - A[-1] @ D  # Gauss: x_d = x_0 + h b f, with h f_j = (D x)_j
+    return np.vstack([D, end]), np.vstack([np.eye(n), np.zeros((1, n))])
 
+
+# -- the table ------------------------------------------------------------------------------------------------------
 
 # fmt: off
 TRAPEZOID = Scheme(
@@ -170,14 +178,43 @@ HERMITE_SIMPSON_COMPRESSED = Scheme(
 
 FINITE_DIFFERENCE = FiniteDifference()
 
-TABLE = {s.name: s for s in (TRAPEZOID, HERMITE_SIMPSON, HERMITE_SIMPSON_COMPRESSED, FINITE_DIFFERENCE)}
-COLLOCATION = {name: scheme for name, scheme in TABLE.items() if isinstance(scheme, Scheme)}
+_LEGENDRE = "Kelly 2017, section 9.7 and appendix D; Garg et al., Automatica 46, 2010"
 
 
-def find(name: str) -> Scheme | FiniteDifference:
-    """The scheme of that name; raises SpecError with the nearest names otherwise."""
-    if name in TABLE:
-        return TABLE[name]
-    near = get_close_matches(name, TABLE, n=1, cutoff=0.3)
+def _fixed(scheme: Scheme | FiniteDifference, ends: str) -> Method:
+    return Method(scheme.name, scheme.family, ends, str(scheme.order), scheme.source, scheme=scheme)
+
+
+def _low_order(name: str, nodes, ends: str, source: str) -> Method:
+    """The lowest member of a family under its own name."""
+    scheme = _orthogonal(Method(name, "one point", ends, "", source, nodes=nodes), 1, "integral")
+    return _fixed(replace(scheme, family="one point"), ends)
+
+
+METHODS = {
+    method.name: method
+    for method in (
+        _low_order("explicit-euler", radau_left, "left", "Euler 1768"),
+        _low_order("implicit-euler", radau, "right", "Kelly 2017, appendix D.1: the lowest Radau method"),
+        _low_order("midpoint", gauss, "none", "Kelly 2017, appendix D.1: the lowest Gauss method"),
+        _fixed(TRAPEZOID, "both"),
+        _fixed(HERMITE_SIMPSON, "both"),
+        _fixed(HERMITE_SIMPSON_COMPRESSED, "both"),
+        Method("gauss", "Legendre-Gauss", "none", "2n", _LEGENDRE, nodes=gauss),
+        Method("radau", "Legendre-Gauss-Radau", "right", "2n - 1", _LEGENDRE, nodes=radau),
+        Method("radau-left", "Legendre-Gauss-Radau", "left", "2n - 1", _LEGENDRE, nodes=radau_left),
+        Method("lobatto", "Legendre-Gauss-Lobatto", "both", "2n", _LEGENDRE, nodes=lobatto),
+        Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1, n + 2 for even n",
+               "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev),
+        _fixed(FINITE_DIFFERENCE, "both"),
+    )
+}  # fmt: skip
+
+
+def find(name: str, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
+    """The scheme of that name and degree; raises SpecError with the nearest names otherwise."""
+    if name in METHODS:
+        return METHODS[name].of_degree(degree, form)
+    near = get_close_matches(name, METHODS, n=1, cutoff=0.3)
     hint = f"did you mean '{near[0]}'? " if near else ""
     raise SpecError(Mistake("method", f"there is no method '{name}'", hint + "'trajopt methods' lists them all"))

@@ -19,22 +19,30 @@ from .diagnose import Violation, diagnose
 from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
-from .schemes import Scheme, find
+from .scheme import Scheme
+from .schemes import find
 from .trajectory import Trajectory, trajectories
 from .warm import Solved, warm_start
 
 
 @dataclass(frozen=True)
 class Step:
-    """One entry of the mesh schedule: a method, a number of segments or their relative widths, IPOPT's tolerance."""
+    """One entry of the mesh schedule: a method, a number of segments or their relative widths, the engine's tolerance.
+
+    degree: of a family of methods, one for all segments or one for each. form: of its defects, "integral" or "differential".
+    """
 
     method: str
     segments: int | Sequence[float]
     tolerance: float
+    degree: int | Sequence[int] | None = None
+    form: str | None = None
 
     def mesh(self) -> Mesh:
-        scheme = find(self.method)
-        return Mesh.uniform(scheme, self.segments) if isinstance(self.segments, int) else Mesh(scheme, self.segments)
+        if self.degree is None or isinstance(self.degree, int):
+            return Mesh.of(find(self.method, self.degree, self.form), self.segments)
+        widths = np.ones(len(self.degree)) if isinstance(self.segments, int) else np.asarray(self.segments)
+        return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
 
 
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
@@ -145,7 +153,7 @@ def _solve_mesh(
     outcome = settings.run()(nlp, z, lower, upper, options, start=start, **callbacks)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
-    if all(isinstance(phase.mesh.scheme, Scheme) for phase in phases):
+    if all(isinstance(scheme, Scheme) for phase in phases for scheme in phase.mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
     errors = tuple(map(error_profile, phases))

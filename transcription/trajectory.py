@@ -20,7 +20,7 @@ from .transcribe import Layout, Transcription
 from .finite_difference import velocities
 from .mesh import Mesh
 from .polynomials import lagrange_basis
-from .schemes import FiniteDifference
+from .scheme import FiniteDifference
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
@@ -42,8 +42,8 @@ class Trajectory:
     """One phase of a solution.
 
     t: (2,) initial and final time. x: (n_x, K) and inputs u: (n_u, K) at the points of the mesh; u is NaN at a point
-    that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, N, d + 1) on the
-    state nodes of each segment (see `costate`), or None.
+    that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, K + N - 1) at the
+    slots of the mesh (see `costate`), or None.
     """
 
     phase: Phase
@@ -84,31 +84,32 @@ class Trajectory:
 
     def evaluate(self, segment: np.ndarray, tau: np.ndarray) -> Sample:
         """The trajectory at normalised times tau in [0, 1] of the given segments; the two arrays are broadcast."""
-        scheme, nodes, points = self.mesh.scheme, self.mesh.nodes[segment], self.mesh.collocated[segment]
-        X, F, dX, dF, U = (m.reshape(*np.shape(tau), -1) for m in scheme.interpolant(np.ravel(tau)))
-        x, f, h = self.x[:, nodes], self.f[:, points], self.h[segment]
-        return Sample(
-            t=self.knots[segment] + h * tau,
-            x=(x * X).sum(axis=-1) + h * (f * F).sum(axis=-1),
-            u=(self.u[:, points] * U).sum(axis=-1),
-            dx=(x * dX).sum(axis=-1) / h + (f * dF).sum(axis=-1),
-            costate=None if self.costate is None else self._costate(segment, tau),
-        )
-
-    def _costate(self, segment: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        """The polynomial through the costates at the segment's state nodes."""
-        nodes = self.mesh.scheme.sigma
-        basis = lagrange_basis(nodes, np.ravel(tau)).reshape(*np.shape(tau), len(nodes))
-        return (self.costate[:, segment] * basis).sum(axis=-1)
+        segment, tau = np.broadcast_arrays(segment, tau)
+        x, dx = np.empty((2, len(self.x), *segment.shape))
+        u = np.empty((len(self.u), *segment.shape))
+        costate = None if self.costate is None else np.empty_like(x)
+        for group in self.mesh.groups:
+            here = np.isin(segment, group.segments)
+            if not here.any():
+                continue
+            row, h = np.searchsorted(group.segments, segment[here]), self.h[segment[here]]
+            distinct, which = np.unique(tau[here], return_inverse=True)
+            X, F, dX, dF, U = (m[which] for m in group.scheme.interpolant(distinct))
+            nodes, f = self.x[:, group.nodes[row]], self.f[:, group.collocated[row]]
+            x[:, here] = (nodes * X).sum(axis=-1) + h * (f * F).sum(axis=-1)
+            dx[:, here] = (nodes * dX).sum(axis=-1) / h + (f * dF).sum(axis=-1)
+            u[:, here] = (self.u[:, group.collocated[row]] * U).sum(axis=-1)
+            if costate is not None:  # the polynomial through the costates at the segment's state nodes
+                basis = lagrange_basis(group.scheme.sigma, distinct)[which]
+                costate[:, here] = (self.costate[:, group.slots[row]] * basis).sum(axis=-1)
+        return Sample(self.knots[segment] + self.h[segment] * tau, x, u, dx, costate)
 
     @property
     def point_costate(self) -> np.ndarray:
         """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
-        total, sides = np.zeros_like(self.x), np.zeros(len(self.times))
-        for node, points in enumerate(self.mesh.nodes.T):
-            total[:, points] += self.costate[:, :, node]
-            sides[points] += 1
-        return total / sides
+        points = self.mesh.slot_points
+        sides = np.bincount(points)
+        return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
 
     def at(self, s: np.ndarray) -> Sample:
         """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
@@ -127,7 +128,8 @@ class Trajectory:
     def dense(self) -> Sample:
         """The trajectory on a fine grid, shapes (M,): equally spaced times on each segment, and the final one."""
         segments = self.mesh.segments
-        count = int(np.clip(DENSE_POINTS // segments, 2 * self.mesh.degree, DENSE_PER_SEGMENT))
+        degree = int(self.mesh.degrees.max())
+        count = int(np.clip(DENSE_POINTS // segments, 2 * degree, max(DENSE_PER_SEGMENT, 10 * degree)))
         segment = np.append(np.repeat(np.arange(segments), count), segments - 1)
         tau = np.append(np.tile(np.arange(count) / count, segments), 1.0)
         return self.evaluate(segment, tau)
@@ -149,16 +151,37 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
     trajectory = Trajectory(phase, mesh, t, x, u, parameters)
-    if isinstance(mesh.scheme, FiniteDifference):
+    if isinstance(mesh.schemes[0], FiniteDifference):
         names = [state.name for state in phase.states]
         for i, state in enumerate(phase.states):
             if state.velocity_of:
                 x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
         return trajectory
-    for node, row in mesh.scheme.eliminated:
-        nodes, collocated = mesh.nodes, mesh.collocated
-        f = phase.dynamics(trajectory.times, x, u, parameters)
-        x[:, nodes[:, node]] = mesh.scheme.eliminate(
-            node, row, [x[:, k] for k in nodes.T], [f[:, k] for k in collocated.T], trajectory.h
-        )
+    _fill_eliminated(trajectory)
+    _extrapolate_inputs(trajectory)
     return trajectory
+
+
+def _fill_eliminated(trajectory: Trajectory) -> None:
+    """Write the states that are no variables into trajectory.x."""
+    phase, x = trajectory.phase, trajectory.x
+    for group in trajectory.mesh.groups:
+        for node, row in group.scheme.eliminated:
+            f = phase.dynamics(trajectory.times, x, trajectory.u, trajectory.parameters)
+            at_nodes, rates = [x[:, k] for k in group.nodes.T], [f[:, k] for k in group.collocated.T]
+            h = trajectory.h[group.segments]
+            x[:, group.nodes[:, node]] = group.scheme.eliminate(node, row, at_nodes, rates, h)
+
+
+def _extrapolate_inputs(trajectory: Trajectory) -> None:
+    """Write the inputs at points that are no collocation points into trajectory.u, by the interpolant of the segment.
+
+    A knot takes the value of the segment that starts there, the last one that of the segment that ends there.
+    """
+    mesh, u = trajectory.mesh, trajectory.u
+    missing = np.setdiff1d(np.arange(len(mesh.fractions)), mesh.collocated)
+    for k in missing:
+        segment = min(int(np.searchsorted(mesh.knots, k, side="right")) - 1, mesh.segments - 1)
+        scheme = mesh.schemes[segment]
+        tau = scheme.sigma[k - mesh.first[segment]]
+        u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.interpolant(np.array([tau])).U[0]

@@ -9,7 +9,7 @@ that IPOPT factorises is banded with a narrow border.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ from .builder import Family, bound
 from .collocation import CollocationBuilder
 from .finite_difference import DifferenceBuilder
 from .mesh import Mesh
-from .schemes import FiniteDifference
+from .scheme import FiniteDifference
 from .templates import templated
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
@@ -30,13 +30,19 @@ MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: re
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown."""
+    """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown.
+
+    owners: id of a Set of the model whose elements belong to segments each -> the segment of each element.
+    explicit: id of the Set of the points at which states are variables and the dynamics are collocated.
+    """
 
     phase: Phase
     mesh: Mesh
     x: np.ndarray
     u: np.ndarray
     t: np.ndarray
+    owners: Mapping[int, np.ndarray]
+    explicit: int
 
 
 @dataclass(frozen=True)
@@ -80,7 +86,7 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
 
 
 def _builder(mesh: Mesh) -> type:
-    return DifferenceBuilder if isinstance(mesh.scheme, FiniteDifference) else CollocationBuilder
+    return DifferenceBuilder if isinstance(mesh.schemes[0], FiniteDifference) else CollocationBuilder
 
 
 def _check_size(problem: Problem, meshes: Sequence[Mesh]) -> None:
@@ -112,7 +118,7 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Tran
             for i, (component, name) in enumerate(builder.inputs):
                 u[i, k] = place(component, (name, k))
         t = np.array([place(block.t0), place(block.tF)])
-        phases.append(Layout(phase, mesh, x, u, t))
+        phases.append(Layout(phase, mesh, x, u, t, builder.owners, id(block.component("explicit"))))
     parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
     families = tuple(family for builder in builders for family in builder.families)
     return Transcription(problem, model, tuple(variables), tuple(phases), parameters, families)

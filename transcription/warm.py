@@ -21,7 +21,7 @@ from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
 from .ipopt import Start
 from .outcome import Outcome
-from .schemes import Scheme
+from .scheme import Scheme
 from .trajectory import Trajectory
 
 
@@ -36,8 +36,8 @@ class Solved:
 
     def has_costates(self, transcription: Transcription) -> bool:
         """Whether both this mesh and the next give multipliers a meaning over time."""
-        schemes = [layout.mesh.scheme for layout in (*self.transcription.phases, *transcription.phases)]
-        return all(isinstance(scheme, Scheme) for scheme in schemes)
+        layouts = (*self.transcription.phases, *transcription.phases)
+        return all(isinstance(scheme, Scheme) for layout in layouts for scheme in layout.mesh.schemes)
 
 
 def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:
@@ -69,12 +69,15 @@ def _family(family: Family, old: Solved, transcription: Transcription) -> np.nda
 
 
 def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarray:
-    """mu of one state and one row of the scheme, for every segment: mu R = -b lambda, in the least-squares sense."""
-    scheme, state = layout.mesh.scheme, [s.name for s in layout.phase.states].index(family.name)
-    times = layout.mesh.fractions[layout.mesh.collocated]
+    """mu of one state and one row (or several), for every segment: mu R = -b lambda, in the least-squares sense."""
+    group = layout.mesh.groups[family.group]
+    scheme, state = group.scheme, [s.name for s in layout.phase.states].index(family.name)
+    times = layout.mesh.fractions[group.collocated]
     costate = trajectory.at(times.ravel()).costate[state].reshape(times.shape)
     rows = list(scheme.rows)
-    return (-(scheme.b * costate) @ np.linalg.pinv(scheme.R[rows]))[:, rows.index(family.row)]
+    mu = -(scheme.b * costate) @ np.linalg.pinv(scheme.R[rows])
+    wanted = [family.row] if isinstance(family.row, int) else family.row
+    return mu[:, [rows.index(r) for r in wanted]].ravel()
 
 
 def _bounds(layout: Layout, before: Layout, new: np.ndarray, values: np.ndarray) -> None:

@@ -38,7 +38,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from math import inf
 from typing import Any, NamedTuple
 
@@ -61,12 +61,12 @@ BALANCES = {
 }
 
 STRIKES = {
-    # name: pivot and links before the collision; the same ones after it, by the numbers they have then
-    "walker": (5, LINKS, 0, LINKS),  # (F.11), about the point of collision
-    "stance_knee": (4, (1, 2, 3, 4), 1, (2, 3, 4, 5)),  # (F.12)
-    "stance_hip": (2, (1, 2, 3), 2, (3, 4, 5)),  # (F.13)
-    "swing_hip": (2, (1, 2), 2, (4, 5)),  # (F.14)
-    "swing_knee": (1, (1,), 4, (5,)),  # (F.15)
+    # name of the joint after the collision: pivot and links before it, and the same ones by their numbers after it
+    "stance_ankle": ((5, LINKS), (0, LINKS)),  # (F.11)
+    "stance_knee": ((4, (1, 2, 3, 4)), (1, (2, 3, 4, 5))),  # (F.12)
+    "stance_hip": ((2, (1, 2, 3)), (2, (3, 4, 5))),  # (F.13)
+    "swing_hip": ((2, (1, 2)), (2, (4, 5))),  # (F.14)
+    "swing_knee": ((1, (1,)), (4, (5,))),  # (F.15)
 }
 
 Reach = tuple[float, ...]
@@ -107,21 +107,20 @@ class Motion:
         """A quantity of each link, such as "dq"."""
         return [self.values[f"{name}{i}{self.end}"] for i in LINKS]
 
-    def turn(self) -> list[tuple]:
-        """(sin q_i, cos q_i)."""
-        return [(self.functions.sin(q), self.functions.cos(q)) for q in self.row("q")]
-
+    @cached_property
     def e(self) -> list[Vector]:
-        return [Vector(-s, c) for s, c in self.turn()]
+        return [Vector(-self.functions.sin(q), self.functions.cos(q)) for q in self.row("q")]
 
+    @cached_property
     def de(self) -> list[Vector]:
-        """(F.1)."""
-        return [Vector(-c * w, -s * w) for (s, c), w in zip(self.turn(), self.row("dq"), strict=True)]
+        """(F.1): the derivative of e by its angle is e turned by a right angle, (-e.y, e.x)."""
+        return [Vector(-e.y * w, e.x * w) for e, w in zip(self.e, self.row("dq"), strict=True)]
 
+    @cached_property
     def dde(self) -> list[Vector]:
         """(F.2)."""
-        links = zip(self.turn(), self.row("dq"), self.row("ddq"), strict=True)
-        return [Vector(s * w**2 - c * a, -c * w**2 - s * a) for (s, c), w, a in links]
+        links = zip(self.e, self.row("dq"), self.row("ddq"), strict=True)
+        return [Vector(-e.y * a - e.x * w**2, e.x * a - e.y * w**2) for e, w, a in links]
 
 
 @dataclass(frozen=True)
@@ -165,34 +164,34 @@ class Walker:
     def balance(self, torque: int, pivot: int, links: Sequence[int], values, functions):
         """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8)."""
         motion = Motion(values, functions)
-        e, dde, ddq = motion.e(), motion.dde(), motion.row("ddq")
-        total = values[f"u{torque}"]
+        e, dde, ddq = motion.e, motion.dde, motion.row("ddq")
+        moments = []
         for i in links:
-            lever, m = self.lever(e, i, pivot), self.m[i - 1]
-            total += cross(lever, Vector(0.0, -m * self.g))
-            total -= m * cross(lever, combine(self.G[i - 1], dde)) + self.I[i - 1] * ddq[i - 1]
-        return total
+            acceleration = combine(self.G[i - 1], dde)
+            effect = Vector(-acceleration.x, -self.g - acceleration.y)  # of weight and inertia, for a mass of 1
+            moments.append(self.m[i - 1] * cross(self.lever(e, i, pivot), effect) - self.I[i - 1] * ddq[i - 1])
+        return values[f"u{torque}"] + sum(moments)
 
     def momentum(self, motion: Motion, pivot: int, links: Sequence[int]):
         """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15)."""
-        e, de, dq = motion.e(), motion.de(), motion.row("dq")
+        e, de, dq = motion.e, motion.de, motion.row("dq")
         return sum(
             self.m[i - 1] * cross(self.lever(e, i, pivot), combine(self.G[i - 1], de)) + self.I[i - 1] * dq[i - 1]
             for i in links
         )
 
-    def strike(self, pivot: int, links: Sequence[int], new_pivot: int, new_links: Sequence[int], values, functions):
+    def strike(self, before: tuple, after: tuple, values, functions):
         """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15)."""
-        before, after = Motion(values, functions, FINAL), Motion(values, functions, INITIAL)
-        return self.momentum(before, pivot, links) - self.momentum(after, new_pivot, new_links)
+        old, new = (Motion(values, functions, end) for end in (FINAL, INITIAL))
+        return self.momentum(old, *before) - self.momentum(new, *after)
 
     def foot(self, axis: str, end: str, values, functions):
         """One coordinate of P5, m."""
-        return getattr(combine(self.P[5], Motion(values, functions, end).e()), axis)
+        return getattr(combine(self.P[5], Motion(values, functions, end).e), axis)
 
     def foot_velocity(self, axis: str, end: str, values, functions):
         """One coordinate of the velocity of P5, m/s."""
-        return getattr(combine(self.P[5], Motion(values, functions, end).de()), axis)
+        return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
 
 def build(parameters: Mapping[str, float]) -> Equations:
@@ -225,7 +224,7 @@ def _difference(name: str, other: str, values, functions):
 
 def pose(values: Mapping[str, float], parameters: Mapping[str, float]) -> dict[str, np.ndarray]:
     """The joints of both legs and of the torso in m, for the angles q1 to q5 of one time."""
-    walker, e = Walker.of(parameters), Motion(values, np).e()
+    walker, e = Walker.of(parameters), Motion(values, np).e
     parts = {"stance leg": (0, 1, 2), "torso": (2, 3), "swing leg": (2, 4, 5)}
     return {part: np.array([combine(walker.P[j], e) for j in joints], float) for part, joints in parts.items()}
 

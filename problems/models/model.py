@@ -29,8 +29,8 @@ class Equations:
     """A model with numbers for its parameters.
 
     rates: name of each state -> dx/dt. residuals: functions that are zero at every time, as many as algebraic
-    variables. path and boundary: constraints that belong to the model, name -> (function, range). outputs: quantities of
-    t, x, u that expressions of the problem file may use by name.
+    variables. path and boundary: constraints that belong to the model, name -> (function, range). outputs: quantities
+    of t, x, u that expressions of the problem file may use by name.
     """
 
     rates: Mapping[str, Function]

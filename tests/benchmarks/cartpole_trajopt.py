@@ -28,7 +28,7 @@ def main(segments):
     spec = load(find("cartpole"), [f"mesh.-1.segments={segments}"])
     problem, schedule = build(spec), steps(spec.mesh)
     read = time.perf_counter() - start
-    solution = solve(problem, schedule, spec.solver.options)
+    solution = solve(problem, schedule)
     whole, cpu = time.perf_counter() - start, time.process_time() - cpu
     (mesh,) = solution.meshes
     seconds = {

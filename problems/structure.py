@@ -1,0 +1,116 @@
+"""Checks of how a problem is put together: dynamics that are complete, a model's names, abs and max, the solver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from .models import find
+from .models.model import Model
+from .nonsmooth import consistent, refused
+from .places import Finding
+from .spec import Spec
+from .symbols import UNKNOWN, Symbols
+from .syntax import nearest
+from .tree import leaves, rate_of
+from .yamltext import Path, brief
+
+_SHOWN = 5
+
+
+def check(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
+    """Every mistake. numbers: path -> value of the constants that have one."""
+    found = [*refused(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+    return [*found, *(_model(spec, find(spec.model)) if spec.model else _residuals(spec, symbols))]
+
+
+def warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
+    """What is odd in a spec without mistakes."""
+    return [*consistent(spec, symbols).warnings, *_high_index(spec, symbols)]
+
+
+def _widths(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+    """alpha or beta: positive, and one, or one for each entry of the mesh schedule."""
+    if spec.nonsmooth is None or not spec.nonsmooth.widths:
+        return
+    path, meshes = ("nonsmooth", spec.nonsmooth.kind), len(spec.mesh)
+    given = len(spec.nonsmooth.widths)
+    if given not in (1, meshes):
+        entries = "is 1 entry" if meshes == 1 else f"are {meshes} entries"
+        what = f"there are {given} values here, and there {entries} in the mesh schedule"
+        yield Finding(path, what, "give one value, or one for each entry of mesh:")
+    for i in range(given):
+        if numbers.get((*path, i), 1.0) <= 0:
+            what = f"the width of the smoothing is {numbers[*path, i]:g}"
+            yield Finding(path if given == 1 else (*path, i), what, "write a positive number such as 0.01")
+
+
+def _tolerance(spec: Spec) -> Iterator[Finding]:
+    if "tol" in spec.solver.options:
+        remedy = "write it as tolerance: in each entry of mesh:"
+        yield Finding(("solver", "tol"), "the tolerance of the solver belongs to the mesh", remedy)
+
+
+def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """As many residuals as algebraic variables, and every one of these in some residual."""
+    unknowns = [variable.name for variable in symbols.algebraic]
+    if not spec.residuals:
+        yield from _no_residuals(spec, symbols)
+    elif len(spec.residuals) != len(unknowns):
+        listed = ", ".join(unknowns[:_SHOWN]) + (", ..." if len(unknowns) > _SHOWN else "")
+        variables = f"{len(unknowns)} algebraic variables" + (f" ({listed})" if unknowns else "")
+        what = f"there are {len(spec.residuals)} residuals for {variables}, among which count implicit rates"
+        yield Finding(("residuals",), what, "give as many residuals as algebraic variables")
+    else:
+        held = [_names(residual.expression, symbols) for residual in spec.residuals]
+        for variable in symbols.algebraic:
+            if not any(variable.name in names or UNKNOWN.text in names for names in held):
+                what = f"{variable.name} stands in no residual, so nothing determines it"
+                yield Finding(variable.path, what, f"use {variable.name} in residuals:")
+
+
+def _no_residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    for name in spec.algebraic:
+        yield Finding(("algebraic", name), f"nothing determines {name}", f"add residuals: with {name} in one of them")
+    for state in symbols.states:
+        if state.implicit:
+            key = "accel" if state.velocity_of else "rate"
+            remedy = f"add {key}: an expression, or residuals: with {rate_of(state.name)} in one of them"
+            yield Finding(state.path, f"nothing determines how {state.name} changes: {key} is missing", remedy)
+
+
+def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """A residual that leaves the algebraic variables alone makes a problem of higher index, hard for any method."""
+    unknowns = {variable.name for variable in symbols.algebraic}
+    for i, residual in enumerate(spec.residuals):
+        if not unknowns & _names(residual.expression, symbols):
+            what = "no algebraic variable and no x[rate] stands in this residual, so it restricts the states"
+            yield Finding(("residuals", i, "expression"), what, "differentiate it by time until one does")
+
+
+def _names(expression, symbols: Symbols) -> set[str]:
+    """The names in an expression and in the definitions that it uses."""
+    bound = symbols.function(expression)
+    trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]
+    return {name.name for root in trees for name in leaves(root)}
+
+
+def _model(spec: Spec, model: Model) -> Iterator[Finding]:
+    """The file gives every parameter of its model, and says nothing that is the model's to say."""
+    for name in model.parameters.keys() - spec.parameters.keys():
+        quantity = model.parameters[name]
+        what = f"the model {model.name} needs the parameter {name}" + (f", {quantity.note}" if quantity.note else "")
+        yield Finding(("parameters",), what, f"add {name}: under parameters:, in {quantity.unit or 'its unit'}")
+    for group in ("states", "controls", "algebraic"):
+        known = getattr(model, group)
+        for name in getattr(spec, group).keys() - known.keys():
+            close = nearest(name, known)
+            others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
+            what = f"the model {model.name} has no {brief(name)} among its {group}"
+            yield Finding((group, name), what, f"did you mean {close}?" if close else others)
+    for name, state in spec.states.items():
+        for key in ("rate", "accel", "velocity"):
+            if getattr(state, key) is not None:
+                what = f"the dynamics are those of the model {model.name}"
+                yield Finding(("states", name, key), what, f"remove {key}:, or model:")
+    if spec.residuals:
+        yield Finding(("residuals",), f"the dynamics are those of the model {model.name}", "remove residuals:, or model:")

@@ -1,0 +1,200 @@
+"""IPOPT through cyipopt: statuses, options, the record of iterations, starts."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from trajopt.problems.build import build
+from trajopt.problems.catalog import shipped
+from trajopt.problems.load import load, load_text
+from trajopt.transcription import ipopt
+from trajopt.transcription.compiler import CompiledNLP
+from trajopt.transcription.ipopt import COLUMNS, Start, check_options
+from trajopt.transcription.outcome import Status
+from trajopt.transcription.solve import Settings, Step, bounded_start, solve
+from trajopt.transcription.transcribe import transcribe
+
+STEP = Step("hermite-simpson", 10, 1e-8)
+
+ACCEPTABLE = {"tol": 1e-20, "acceptable_iter": 1}
+
+REACHED = {  # real runs of cart-pole that end otherwise than solved
+    Status.ACCEPTABLE: ACCEPTABLE,
+    Status.MAX_ITERATIONS: {"max_iter": 1},
+    Status.MAX_CPU_TIME: {"max_cpu_time": 1e-6},
+    Status.MAX_WALL_TIME: {"max_wall_time": 1e-6},
+    Status.DIVERGING: {"diverging_iterates_tol": 1.0},
+    Status.INVALID_OPTION: {"linear_solver": "ma27"},  # known to IPOPT, but the wheel has no HSL library
+}
+
+
+@cache
+def cartpole():
+    return build(load(shipped()["cartpole"]))
+
+
+@cache
+def program():
+    transcription = transcribe(cartpole(), [STEP.mesh()])
+    return CompiledNLP(transcription.model, transcription.variables), *bounded_start(transcription)
+
+
+def run(options=None, start=None, progress=None, stop=None):
+    nlp, z, lower, upper = program()
+    return ipopt.solve(nlp, z, lower, upper, options, start=start, progress=progress, stop=stop)
+
+
+def test_every_status_of_cyipopt_is_told_in_words():
+    ipopt._cyipopt()
+    import ipopt_wrapper
+
+    codes = {status.code for status in Status}
+    internal = {-100, -101}  # uncaught exceptions inside IPOPT: no more to say than "it failed"
+    assert set(ipopt_wrapper.STATUS_MESSAGES) - internal <= codes
+    assert all(Status.from_code(code) is Status.FAILED for code in (*internal, -199, 12345))
+    assert len(codes) == len(Status)
+
+
+@pytest.mark.parametrize("status", Status, ids=lambda status: status.name)
+def test_status_has_a_message_and_a_remedy(status):
+    assert Status.from_code(status.code) is status
+    assert status.message
+    assert status.remedy or status in (Status.SOLVED, Status.FEASIBLE)
+    assert status.usable == (status.name in ("SOLVED", "ACCEPTABLE", "FEASIBLE"))
+
+
+@pytest.mark.parametrize("status", REACHED, ids=lambda status: status.name)
+def test_status_is_reached(status):
+    outcome = run(REACHED[status])
+    assert outcome.status is status
+    assert outcome.z.shape == (program()[0].n,) and np.isfinite(outcome.z).all()
+    solution = solve(cartpole(), [STEP], Settings(REACHED[status]))
+    assert solution.status is status and not solution.solved
+    assert np.isfinite(solution.trajectories[0].x).all()
+
+
+@pytest.mark.parametrize(("accept", "solved"), [(Status.SOLVED, False), (Status.ACCEPTABLE, True)])
+def test_an_acceptable_point_is_solved_only_if_accepted(accept, solved):
+    solution = solve(cartpole(), [STEP], Settings(ACCEPTABLE, accept=accept))
+    assert solution.status is Status.ACCEPTABLE and solution.solved is solved
+
+
+def test_a_problem_without_freedom_is_feasible():
+    text = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: -x, initial: 1}}
+objective: {minimize: {terminal: "x[final]"}}
+mesh: [{method: hermite-simpson, segments: 10}]
+"""
+    solution = solve(build(load_text(text, "decay.yaml")), [STEP])
+    assert solution.solved
+    assert solution.objective == pytest.approx(np.exp(-1), abs=1e-6)
+
+
+def test_record_of_each_iteration():
+    told = []
+    outcome = run(progress=told.append)
+    assert outcome.status is Status.SOLVED and set(outcome.iterations) == set(COLUMNS)
+    assert {len(values) for values in outcome.iterations.values()} == {len(told)}
+    assert outcome.iterations["iteration"].tolist() == list(range(len(told)))
+    assert [record["objective"] for record in told] == outcome.iterations["objective"].tolist()
+    assert outcome.iterations["objective"][-1] == pytest.approx(outcome.objective, rel=1e-12)
+    assert outcome.iterations["primal_infeasibility"][-1] < 1e-8
+    assert outcome.iterations["mu"][-1] < outcome.iterations["mu"][0]
+    assert outcome.solver == {"ipopt": outcome.solver["ipopt"], **ipopt.DEFAULTS}
+
+
+def test_stop_keeps_the_last_iterate():
+    asked = []
+
+    def stop():
+        asked.append(True)
+        return len(asked) == 4
+
+    outcome = run(stop=stop)
+    assert outcome.status is Status.INTERRUPTED and len(asked) == 4
+    assert outcome.iterations["iteration"].tolist() == [0, 1, 2, 3]
+    other = run({"max_iter": 3})
+    np.testing.assert_array_equal(outcome.z, other.z)
+
+
+def test_multipliers_satisfy_the_first_order_conditions():
+    """grad f + J'y - z_lower + z_upper = 0: the signs that costates and warm starts rely on."""
+    nlp, *_ = program()
+    outcome = run()
+    rows, cols = nlp.jacobianstructure()
+    gradient = nlp.gradient(outcome.z) - outcome.z_lower + outcome.z_upper
+    np.add.at(gradient, cols, nlp.jacobian(outcome.z) * outcome.y[rows])
+    assert np.abs(gradient).max() < 1e-6
+    assert (outcome.z_lower >= 0).all() and (outcome.z_upper >= 0).all()
+
+
+def test_starting_from_the_solution_takes_almost_no_iterations():
+    nlp, _, lower, upper = program()
+    outcome = run()
+    start = Start(outcome.y, outcome.z_lower, outcome.z_upper)
+    again = ipopt.solve(nlp, outcome.z, lower, upper, start=start)
+    assert again.status is Status.SOLVED
+    assert len(again.iterations["mu"]) <= 4 < len(outcome.iterations["mu"])
+    assert again.objective == pytest.approx(outcome.objective, rel=1e-9)
+    cold = ipopt.solve(nlp, outcome.z, lower, upper)
+    assert len(again.iterations["mu"]) < len(cold.iterations["mu"])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"max_itr": 3}, "did you mean 'max_iter'?"),
+        ({"linear_solvr": "mumps"}, "did you mean 'linear_solver'?"),
+        ({"max_iter": "many"}, "max_iter = 'many'"),
+        ({"max_iter": 2.5}, "max_iter = 2.5"),
+        ({"max_iter": -1}, "max_iter = -1"),
+        ({"mu_strategy": "clever"}, "mu_strategy = 'clever'"),
+        ({"tol": 0.0}, "tol = 0.0"),
+        ({"no_such_thing_at_all": 1}, "IPOPT's documentation"),
+    ],
+)
+def test_a_wrong_option_is_a_mistake(options, words):
+    (mistake,) = check_options(options)
+    assert mistake.where == f"solver.{next(iter(options))}"
+    assert words in str(mistake)
+    with pytest.raises(ValueError, match=next(iter(options))):
+        run(options)
+
+
+def test_every_wrong_option_is_named():
+    assert len(check_options({"a": 1, "max_iter": 10, "b": 2})) == 2
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"max_iter": 10, "tol": 1e-6, "mu_strategy": "adaptive", "linear_solver": "mumps"},
+        {"acceptable_tol": 1},  # a whole number where IPOPT wants a real one
+        {"hessian_approximation": "limited-memory"},
+    ],
+)
+def test_right_options_are_taken(options):
+    assert not check_options(options)
+    outcome = run(options)
+    assert outcome.solver.items() >= options.items()
+
+
+def test_suggested_options_exist():
+    """Each is known to IPOPT: a value of the wrong type is refused otherwise than the name."""
+    values = {
+        "acceptable_iter": 3, "derivative_test": "none", "fixed_variable_treatment": "relax_bounds",
+        "hessian_approximation": "exact", "hsllib": "x.so", "linear_solver": "mumps", "max_iter": 10,
+        "mu_strategy": "monotone", "mumps_permuting_scaling": 7, "mumps_pivot_order": 7, "mumps_scaling": 77,
+        "nlp_scaling_method": "none", "output_file": "", "print_level": 0, "warm_start_init_point": "no",
+    }  # fmt: skip
+    assert not check_options({name: values.get(name, 1e-3) for name in ipopt.FREQUENT_OPTIONS})
+
+
+def test_settings_reach_every_mesh():
+    solution = solve(cartpole(), [STEP, replace(STEP, segments=20)], Settings({"mu_init": 0.02}))
+    assert solution.solved and solution.outcome.solver["mu_init"] == 0.02

@@ -1,0 +1,321 @@
+"""The result file: its layout, its scales and units, other tools, and that nothing is ever lost."""
+
+import json
+import re
+import resource
+import warnings
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from exact import fixed, growth
+
+from trajopt.problems.build import build
+from trajopt.problems.catalog import shipped
+from trajopt.problems.errors import FileError
+from trajopt.problems.load import load
+from trajopt.problems.problem import Constraint, Guess, Phase, Problem, State, Variable
+from trajopt.results import store
+from trajopt.results.restart import guess_from
+from trajopt.results.store import check_target, open_result, write
+from trajopt.results.summary import summarize
+from trajopt.transcription.ipopt import COLUMNS
+from trajopt.transcription.solve import Settings, Step, solve, steps
+
+PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error"]
+
+
+@cache
+def solved(name: str, **options):
+    spec = load(shipped()[name])
+    return spec, solve(build(spec), steps(spec.mesh), Settings(options))
+
+
+def save(path, name: str = "shot_put", **options):
+    spec, solution = solved(name, **options)
+    write(path, solution, spec.text, spec.model_dump_json(), "trajopt solve it")
+    return path
+
+
+def members(file: h5py.File) -> list[str]:
+    names = []
+    file.visit(names.append)
+    return sorted(names)
+
+
+def curves(where: str, *kinds: str) -> list[str]:
+    states, controls = ["x", "y", "vx", "vy"], []
+    own = {"state": states, "costate": states, "epsilon": states, "control": controls, "algebraic": []}
+    return [where, *(f"{where}/{kind}" for kind in kinds), *(f"{where}/{k}/{n}" for k in kinds for n in own[k])]
+
+
+LAYOUT = [
+    "spec", "spec/text", "spec/full", "phase", "phase/main", "phase/main/knots",
+    *curves("phase/main/points", "state", "control", "algebraic", "costate"), "phase/main/points/time",
+    *curves("phase/main/dense", "state", "control", "algebraic", "costate", "epsilon"), "phase/main/dense/time",
+    "phase/main/error", "phase/main/error/eta", "phase/main/error/segment", "phase/main/error/state",
+    "phase/main/parameter", "phase/main/parameter/angle",
+    "mesh", "mesh/0", "mesh/0/edges",
+    "solver", "solver/z", "solver/z_lower", "solver/z_upper", "solver/y", "solver/unknown", "solver/constraint",
+    "solver/iterations", "solver/iterations/number", *(f"solver/iterations/{column}" for column in COLUMNS),
+]  # fmt: skip
+
+
+RUNS = {"solved": {}, "two": {"max_iter": 2}, "one": {"max_wall_time": 1e-6}, "none": {"linear_solver": "ma27"}}
+"""Options that end a run after so many iterations."""
+
+
+@pytest.mark.parametrize("options", RUNS.values(), ids=RUNS)
+def test_layout_of_a_solved_and_of_a_failed_run(tmp_path, options):
+    with h5py.File(save(tmp_path / "a.h5", **options)) as file:
+        assert members(file) == sorted(LAYOUT)
+        assert bool(file.attrs["solved"]) is not bool(options)
+        assert np.isfinite(file["phase/main/points/state/x"][:]).all()
+
+
+def test_the_docstring_names_every_group():
+    groups = {name.rsplit("/", 1)[-1] for name in LAYOUT if not name.endswith(("angle", "/x", "/y", "/vx", "/vy"))}
+    columns = {*COLUMNS, "number", "unknown", "constraint", "main", "0"}  # named by what they stand for
+    for name in groups - columns:
+        assert re.search(rf"\b{name}\b", store.__doc__), name
+
+
+def test_every_array_has_a_scale_for_each_dimension_and_says_what_it_is(tmp_path):
+    def look(name, item):
+        if not isinstance(item, h5py.Dataset) or name.startswith("spec/"):
+            return
+        assert item.attrs["long_name"], name
+        if not item.is_scale:
+            assert [len(dimension) for dimension in item.dims] == [1] * item.ndim, name
+            assert [dimension[0].size for dimension in item.dims] == list(item.shape), name
+
+    with h5py.File(save(tmp_path / "a.h5")) as file:
+        file.visititems(look)
+
+
+def test_units(tmp_path):
+    with h5py.File(save(tmp_path / "a.h5")) as file:
+        main = file["phase/main"]
+        names = ("points/time", "dense/time", "knots", "points/state/x", "dense/state/vy", "dense/epsilon/vy")
+        assert [main[name].attrs["units"] for name in names] == ["s", "s", "s", "m", "m/s", "m/s/s"]
+        assert main["parameter/angle"].attrs["units"] == "rad"
+    with h5py.File(save(tmp_path / "b.h5", "cartpole")) as file:
+        assert file["phase/main/points/control/u"].attrs["units"] == "N"
+
+
+def test_values(tmp_path):
+    spec, solution = solved("cartpole")
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    with h5py.File(save(tmp_path / "a.h5", "cartpole")) as file:
+        main = file["phase/main"]
+        np.testing.assert_array_equal(main["points/time"], trajectory.times)
+        np.testing.assert_array_equal([main[f"points/state/{s}"][:] for s in spec.states], trajectory.x)
+        np.testing.assert_array_equal(main["points/control/u"], trajectory.u[0])
+        np.testing.assert_array_equal(main["dense/costate/q2"], trajectory.dense.costate[1])
+        np.testing.assert_array_equal(main["dense/epsilon/v2"], error.epsilon[3])
+        np.testing.assert_array_equal(main["error/eta"], error.eta.T)
+        np.testing.assert_array_equal(file["solver/y"], solution.outcome.y)
+        assert file.attrs["objective"] == solution.objective
+        assert file["mesh/0"].attrs["max_eta"] == solution.max_eta
+
+
+def test_the_problem_file_is_kept_to_the_letter(tmp_path):
+    with h5py.File(save(tmp_path / "a.h5", "cartpole")) as file:
+        assert file["spec/text"].asstr()[()].encode() == shipped()["cartpole"].read_bytes()
+        full = json.loads(file["spec/full"].asstr()[()])
+        assert full["mesh"][0] == {"method": "hermite-simpson", "segments": 25, "tolerance": 1e-8}
+        assert full["states"]["q1"]["unit"] == "m"
+
+
+def test_order_is_that_of_the_problem_file_and_of_the_work(tmp_path):
+    with h5py.File(save(tmp_path / "a.h5")) as file:
+        assert list(file["phase/main/points/state"]) == ["x", "y", "vx", "vy"]
+        attributes = [name for name in file["solver"].attrs if name.startswith("seconds_")]
+        assert attributes == [f"seconds_{part}" for part in PARTS]
+    summary = summarize(tmp_path / "a.h5")
+    assert list(summary["seconds"]) == [*PARTS, "total"]
+    assert list(summary["phases"]["main"]["states"]) == ["x", "y", "vx", "vy"]
+    assert summary["seconds"]["total"] == pytest.approx(sum(summary["seconds"][part] for part in PARTS))
+
+
+@pytest.mark.parametrize("name", ["cartpole", "shot_put", "brachistochrone"])
+def test_xarray_sees_named_coordinates(tmp_path, name):
+    path = save(tmp_path / "a.h5", name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tree = xarray.open_datatree(path)
+    with tree:
+        for where in ("points", "dense"):
+            for kind in ("state", "costate", "control"):
+                for curve in tree[f"phase/main/{where}/{kind}"].dataset.data_vars.values():
+                    assert curve.dims == ("time",)
+                    assert curve["time"].attrs["units"] == "s"
+        eta = tree["phase/main/error"]["eta"]
+        assert eta.dims == ("segment", "state")
+        assert eta["state"].values.tolist() == list(load(shipped()[name]).states)
+        state = tree["phase/main/dense/state"].to_dataset()
+        assert float(state.interp(time=state.time[-1]).to_array()[0]) == pytest.approx(float(state.to_array()[0, -1]))
+        assert tree["solver/iterations"]["objective"].dims == ("number",)
+        assert tree.attrs["format"] == store.FORMAT
+
+
+def test_a_single_group_opens_too(tmp_path):
+    with xarray.open_dataset(save(tmp_path / "a.h5"), group="phase/main/points") as points:
+        assert points.time.attrs["long_name"] == "time"
+
+
+def algebraic_problem() -> Problem:
+    """dx/dt = z with 0 = z - u: an acceleration, say, that an implicit equation gives."""
+    guess = Guess(0.0, 1.0, np.array([0.0, 1.0]), {"x": np.arange(2.0), "u": np.zeros(2), "z": np.zeros(2)})
+    phase = Phase(
+        "main", fixed(0), fixed(1), (State("x", "m", rate=lambda v, m: v["z"], initial=fixed(0), final=fixed(1)),),
+        (Variable("u", "N"),), guess, algebraic=(Variable("z", "m/s"),),
+        residuals=(Constraint("balance", lambda v, m: v["z"] - v["u"], fixed(0)),),
+        lagrange=lambda v, m: v["u"] ** 2,
+    )  # fmt: skip
+    return Problem("algebraic", 1, (phase,))
+
+
+def test_algebraic_variables_have_their_own_place(tmp_path):
+    solution = solve(algebraic_problem(), [Step("hermite-simpson", 5, 1e-8)])
+    write(tmp_path / "a.h5", solution, "", json.dumps({}), "")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert list(file["phase/main/points/control"]) == ["u"]
+        np.testing.assert_allclose(file["phase/main/dense/algebraic/z"], 1, atol=1e-6)
+        assert file["phase/main/dense/algebraic/z"].attrs["units"] == "m/s"
+    assert summarize(tmp_path / "a.h5")["phases"]["main"]["algebraic"]["z"]["final"] == pytest.approx(1)
+    (guess,) = guess_from(tmp_path / "a.h5", algebraic_problem())
+    np.testing.assert_allclose(guess.values["z"], 1, atol=1e-6)
+
+
+def test_maximised_objective_and_costates_as_written(tmp_path):
+    for sense, name in ((1, "minimize"), (-1, "maximize")):
+        solution = solve(growth(sense), [Step("hermite-simpson", 20, 1e-8)])
+        write(tmp_path / "a.h5", solution, "", json.dumps({}), "")
+        with h5py.File(tmp_path / "a.h5") as file:
+            assert file.attrs["sense"] == name
+            assert np.sign(file.attrs["objective"]) == sense
+            assert np.sign(file["phase/main/dense/costate/x"][0]) == sense
+
+
+def test_numbers_without_a_value_are_null_in_json(tmp_path):
+    _, solution = solved("shot_put")
+    (trajectory,) = solution.trajectories
+    broken = replace(solution, objective=np.nan, trajectories=(replace(trajectory, u=trajectory.u * np.inf),))
+    write(tmp_path / "a.h5", broken, "", json.dumps({}), "")
+    text = json.dumps(summarize(tmp_path / "a.h5"), allow_nan=False)
+    assert json.loads(text)["objective"] is None
+
+
+# -- nothing is lost -----------------------------------------------------------------------------------------------
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
+    path = save(tmp_path / "a.h5")
+    before = path.read_bytes()
+    spec, solution = solved("cartpole")
+    with pytest.raises(TypeError):
+        write(path, solution, object(), "{}", "")
+    with pytest.raises(AttributeError):
+        write(path, replace(solution, outcome=None), spec.text, "{}", "")
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@contextmanager
+def largest_file(size: int):
+    """A limit on the size of files stands in for a disk that is full: writing fails in the middle."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("size", [0, 100, 50_000])
+def test_a_full_disk(tmp_path, size):
+    path = save(tmp_path / "a.h5")
+    before = path.read_bytes()
+    with largest_file(size), pytest.raises(FileError, match="cannot be written"):
+        save(path, "cartpole")
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_new_result_replaces_the_old_one(tmp_path):
+    path = save(tmp_path / "a.h5", max_iter=2)
+    save(path)
+    assert summarize(path)["solved"]
+    assert list(tmp_path.iterdir()) == [path]
+    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask(tmp_path)
+
+
+def _umask(folder) -> int:
+    probe = folder / "probe"
+    probe.touch()
+    mode = probe.stat().st_mode & 0o777
+    probe.unlink()
+    return 0o666 & ~mode
+
+
+@pytest.mark.parametrize("content", [b"", b"not HDF5", b"\x89HDF\r\n\x1a\n then rubbish"])
+def test_foreign_files_are_kept_and_not_read(tmp_path, content):
+    path = tmp_path / "a.h5"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=r"no trajopt result.*--force"):
+        check_target(path, "shot put")
+    check_target(path, "shot put", force=True)
+    with pytest.raises(FileError, match="cannot be read as HDF5"):
+        summarize(path)
+    assert path.read_bytes() == content
+
+
+def test_half_a_result_is_not_read(tmp_path):
+    path = save(tmp_path / "a.h5")
+    path.write_bytes(path.read_bytes()[:10_000])
+    with pytest.raises(FileError, match="cannot be read as HDF5"):
+        summarize(path)
+
+
+def test_other_hdf5_files_and_other_problems(tmp_path):
+    path = save(tmp_path / "a.h5")
+    check_target(path, "shot put")
+    with pytest.raises(FileError, match="another problem, 'shot put'"):
+        check_target(path, "cart-pole swing-up")
+    with h5py.File(path, "a") as file:
+        file.attrs["format_version"] = store.FORMAT_VERSION + 1
+    with pytest.raises(FileError, match="update trajopt"):
+        summarize(path)
+    with h5py.File(path, "w") as file:
+        file.attrs["format"] = np.arange(3)
+    with pytest.raises(FileError, match="no trajopt result"), open_result(path):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        ("nowhere/a.h5", "folder does not exist"),
+        (".", "it is a folder"),
+        ("/dev/full", "no ordinary file"),
+        ("/proc/a.h5", "folder cannot be written"),
+    ],
+)
+def test_targets_that_cannot_be_written(tmp_path, monkeypatch, target, words):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileError, match=words):
+        check_target(store.Path(target), "shot put", force=True)
+
+
+def test_a_result_starts_the_next_solve(tmp_path):
+    spec, solution = solved("cartpole")
+    guess = guess_from(save(tmp_path / "a.h5", "cartpole"), solution.problem)
+    again = solve(solution.problem, steps(spec.mesh), guess=guess)
+    assert again.solved and again.meshes[0].iterations < solution.meshes[0].iterations
+    with pytest.raises(FileError, match="none of the states"):
+        guess_from(save(tmp_path / "b.h5"), solution.problem)

@@ -1,0 +1,156 @@
+"""A collocation scheme is data: the nodes of one segment and the linear combinations that make its defects.
+
+On a segment of duration h the states live at the nodes sigma_0 = 0 < ... < sigma_d = 1 and the dynamics are collocated
+at the nodes c_j, a subset of sigma. With x_i the state at sigma_i and f_j the dynamics at c_j, every scheme asks that
+
+    sum_i L[r, i] x_i  =  h  sum_j R[r, j] f_j,      r = 0, 1, ..., d - 1                             (the defects)
+
+and everything else follows from the same nodes:
+
+    b_j      = integral of l_j over [0, 1]                               quadrature weights
+    u(tau)   = sum_j u_j l_j(tau)                                        control interpolant
+    x(tau)   = x_0 + h sum_j f_j (integral of l_j over [0, tau])         state interpolant
+
+where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was solved.
+Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from .polynomials import integrated_basis, lagrange_basis
+
+
+class Interpolant(NamedTuple):
+    """x(tau) = X x_i + h F f_j, dx/dt = dX x_i / h + dF f_j, u(tau) = U u_j at m values of tau.
+
+    X, dX: (m, d + 1) on the state nodes; F, dF, U: (m, n) on the collocation nodes.
+    """
+
+    X: np.ndarray
+    F: np.ndarray
+    dX: np.ndarray
+    dF: np.ndarray
+    U: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Scheme:
+    """One row of the table of methods, at one degree.
+
+    name: as written in a problem file. order: of convergence of the state at the knots.
+    sigma: (d + 1,) state nodes. c: (n,) collocation nodes. L: (d, d + 1) and R: (d, n), the defects.
+    eliminated: (node, row) pairs; the state at that node is no variable, it is the solution of defect `row`, which must
+    not contain the dynamics at the node itself. differential: whether the defects are written in differential form,
+    with the dynamics of two nodes in each at most. Raises ValueError where the data contradict each other.
+    """
+
+    name: str
+    family: str
+    order: int
+    sigma: np.ndarray
+    c: np.ndarray
+    L: np.ndarray
+    R: np.ndarray
+    source: str
+    eliminated: tuple[tuple[int, int], ...] = ()
+    differential: bool = False
+
+    def __post_init__(self):
+        d, n = len(self.sigma) - 1, len(self.c)
+        if self.L.shape != (d, d + 1) or self.R.shape != (d, n):
+            raise ValueError(f"{self.name}: L and R have shapes {self.L.shape} and {self.R.shape}")
+        if self.sigma[0] != 0 or self.sigma[-1] != 1 or not np.isin(self.c, self.sigma).all():
+            raise ValueError(f"{self.name}: state nodes must run from 0 to 1 and include the collocation nodes")
+        # A defect vanishes for every polynomial the state interpolant can be: x = tau^k has f = k tau^(k-1).
+        for k in range(n + 1):
+            slope = k * self.c ** (k - 1) if k else np.zeros(n)
+            if not np.allclose(self.L @ self.sigma**k, self.R @ slope, rtol=1e-10, atol=1e-13 * n**2):
+                raise ValueError(f"{self.name}: the defects are not exact for tau^{k}")
+        for node, row in self.eliminated:
+            own = self.c == self.sigma[node]
+            if self.L[row, node] == 0 or self.R[row, own].any():
+                raise ValueError(f"{self.name}: defect {row} does not give the state at node {node} explicitly")
+
+    @cached_property
+    def b(self) -> np.ndarray:
+        """Quadrature weights on the unit segment, shape (n,)."""
+        return integrated_basis(self.c, np.ones(1))[0]
+
+    @property
+    def state_interpolant(self) -> str:
+        return f"degree {len(self.c)}"
+
+    @property
+    def control_interpolant(self) -> str:
+        return f"degree {len(self.c) - 1}"
+
+    @cached_property
+    def collocated(self) -> tuple[int, ...]:
+        """The index in sigma of each collocation node."""
+        return tuple(int(np.flatnonzero(self.sigma == c)[0]) for c in self.c)
+
+    @cached_property
+    def rows(self) -> tuple[int, ...]:
+        """The defects that are constraints of the nonlinear program: those that do not define an eliminated state."""
+        used = {row for _, row in self.eliminated}
+        return tuple(r for r in range(len(self.L)) if r not in used)
+
+    @cached_property
+    def point_rows(self) -> list[tuple[int, list[int]]] | None:
+        """In differential form, the rows by the number of nodes whose dynamics they contain: (number, rows)."""
+        if not self.differential:
+            return None
+        counts = np.count_nonzero(self.R, axis=1)
+        return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
+
+    def rate_terms(self, rows: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For rows with equally many dynamics: (state nodes, weights), one entry a row, of each term; the row's own first."""
+        columns = np.array([np.flatnonzero(self.R[r])[::-1] for r in rows])
+        return [(np.array(self.collocated)[c], self.R[rows, c]) for c in columns.T]
+
+    def eliminate(self, node: int, row: int, x, f, h):
+        """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
+        combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
+        combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
+        return combination / float(self.L[row, node])
+
+    def interpolant(self, tau: np.ndarray) -> Interpolant:
+        """The polynomial with the collocated slopes, at tau, shape (m,)."""
+        basis = lagrange_basis(self.c, tau)
+        X = np.zeros((len(tau), len(self.sigma)))
+        X[:, 0] = 1
+        return Interpolant(X, integrated_basis(self.c, tau), np.zeros_like(X), basis, basis)
+
+
+@dataclass(frozen=True, eq=False)
+class FiniteDifference:
+    """Second-order central differences for positions; see `finite_difference` for its equations.
+
+    Between the points the state is the cubic Hermite polynomial of its values and slopes, the control is linear.
+    """
+
+    name: str = "finite-difference"
+    family: str = "differences, second order"
+    order: int = 2
+    sigma: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
+    c: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
+    source: str = "An introduction to direct collocation, section 6, (40)-(42)"
+    collocated: tuple[int, ...] = (0, 1)
+    eliminated: tuple[tuple[int, int], ...] = ()
+    b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
+    state_interpolant: str = "degree 3"
+    control_interpolant: str = "degree 1"
+
+    def interpolant(self, tau: np.ndarray) -> Interpolant:
+        t = np.asarray(tau, float)
+        X = np.stack([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)], axis=1)
+        F = np.stack([t * (1 - t) ** 2, t**2 * (t - 1)], axis=1)
+        dX = np.stack([6 * t * (t - 1), 6 * t * (1 - t)], axis=1)
+        dF = np.stack([(1 - t) * (1 - 3 * t), t * (3 * t - 2)], axis=1)
+        return Interpolant(X, F, dX, dF, lagrange_basis(self.c, t))
