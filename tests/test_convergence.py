@@ -80,7 +80,7 @@ def test_order_of_integration(method, degree):
         integral.append(abs(solution.objective - exact[-1] + 1))
     expected = find(method, degree).order
     assert order(solutions, state) == pytest.approx(expected, abs=0.35)
-    assert all(a <= b for a, b in zip(integral, state, strict=True))
+    assert all(a <= 1.1 * b for a, b in zip(integral, state, strict=True))
 
 
 @OPTIMAL
