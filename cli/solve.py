@@ -161,6 +161,7 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
     def note(number, frame):
         if seen:
+            logging.disable()  # Pyomo would report the interrupted rule as an error
             raise KeyboardInterrupt
         seen.append(number)
         if sys.stderr.isatty():  # not print: the signal may have come in the middle of another one

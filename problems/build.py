@@ -66,7 +66,9 @@ class _Builder:
             states=states,
             controls=controls,
             algebraic=algebraic,
-            guess=initial_guess(spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters),
+            guess=initial_guess(
+                spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
+            ),
             residuals=self.residuals(),
             path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path)),
             boundary=(*self.of_model("boundary"), *written["boundary"], *map(self.slack, rewritten.boundary)),

@@ -21,6 +21,10 @@ from .tree import leaves
 from .uses import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from .yamltext import Path, brief
 
+NO_STATES = Finding(
+    ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
+)
+
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
 _USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # kinds that should stand in expressions
@@ -29,8 +33,7 @@ _USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # k
 def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
     if not spec.model and not spec.states:
-        what = "there must be at least 1 here"
-        return [Finding(("states",), what, "add a state, or model: with the name of a shipped model")], []
+        return [NO_STATES], []
     checker = _Checker(spec)
     checker.names()
     checker.values()

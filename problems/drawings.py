@@ -38,7 +38,7 @@ class Rectangle:
 
 @dataclass(frozen=True)
 class Circle:
-    """A disc. Its centre may leave a trace: "path", what it has passed so far, or "wire", which is there from the start."""
+    """A disc. Its centre may leave a trace: "path", what it has passed so far, or "wire", there from the start."""
 
     role: str
     centre: Point
@@ -145,7 +145,9 @@ def drawing_of(spec: Mapping[str, Any], states: Collection[str]) -> Drawing:
     if name is None:
         raise SpecError(Mistake(spec.get("name", ""), "this problem has no drawing to animate", known))
     close = nearest(name, DRAWINGS)
-    raise SpecError(Mistake("drawing", f'there is no drawing "{name}"', f"did you mean {close}? {known}" if close else known))
+    raise SpecError(
+        Mistake("drawing", f'there is no drawing "{name}"', f"did you mean {close}? {known}" if close else known)
+    )
 
 
 def _by_names(states: set[str], parameters: set[str]) -> str | None:

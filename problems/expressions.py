@@ -9,7 +9,7 @@ paper, section 5.5.
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from graphlib import CycleError, TopologicalSorter
@@ -149,14 +149,18 @@ _ARITHMETIC = {
 
 
 class _Walk:
-    """One evaluation: `scope` maps each name to its value and grows by the definitions as they are evaluated."""
+    """One evaluation: `scope` grows by parameters and definitions as they are needed, over the values that are given.
+
+    The values may be made when they are asked for, so only what stands in the expression is asked for.
+    """
 
     def __init__(self, values: Mapping[str, Any], functions: Any, number: Any = float):
-        self.scope, self.functions, self.number = dict(values), functions, number
+        self.values, self.functions, self.number = values, functions, number
+        self.scope: dict[str, Any] = {}
 
     def value(self, expression: Expression) -> Any:
         self.key = expression._key
-        self.scope.update({name: self.number(value) for name, value in expression.parameters.items()})
+        self.scope = {name: self.number(value) for name, value in expression.parameters.items()}
         for key, (definition, end) in expression.steps.items():
             self.scope[key] = self.start(definition, end)
         return self.start(expression, None)
@@ -173,15 +177,16 @@ class _Walk:
                 return self.lookup(node)
             case Operation(symbol=symbol, operands=operands):
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
-            case External(operands=operands):
-                return self.call(node, [self.visit(operand) for operand in operands])
+            case External():
+                return self.call(node)
         result = self.visit(node.first)
         for step in node.steps:
             result = self.apply(step.symbol, step, [result, self.visit(step.operand)])
         return result
 
     def lookup(self, node: Name) -> Any:
-        return self.scope[self.key(node.name, node.end or self.end)]
+        key = self.key(node.name, node.end or self.end)
+        return self.scope[key] if key in self.scope else self.values[key]
 
     def apply(self, symbol: str, node: Node, operands: list) -> Any:
         if symbol in FUNCTIONS:
@@ -192,8 +197,20 @@ class _Walk:
             return STAND_INS[symbol](self.functions, operands)
         return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
 
-    def call(self, node: External, operands: list) -> Any:
-        return node.function({n.name: value for n, value in zip(node.operands, operands, strict=True)}, self.functions)
+    def call(self, node: External) -> Any:
+        return node.function(_Arguments(node, self.lookup), self.functions)
+
+
+class _Arguments(dict):
+    """The values of the operands of an external function by name, made when they are asked for."""
+
+    def __init__(self, node: External, lookup: Callable[[Name], Any]):
+        super().__init__()
+        self.names, self.lookup = {name.name: name for name in node.operands}, lookup
+
+    def __missing__(self, name: str) -> Any:
+        self[name] = self.lookup(self.names[name])
+        return self[name]
 
 
 class _Found(Exception):  # noqa: N818 - it ends a walk and is no error
@@ -210,7 +227,7 @@ class _Audit(_Walk):
         self.constants_only = not values
 
     def lookup(self, node: Name) -> Any:
-        value = self.scope.get(self.key(node.name, node.end or self.end))
+        value = self.known(self.key(node.name, node.end or self.end))
         if value is not None:
             self.refuse(node, ~np.isfinite(value), "is not finite")
         return value
@@ -226,10 +243,13 @@ class _Audit(_Walk):
         result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
         return self.finite(node, result)
 
-    def call(self, node: External, operands: list) -> Any:
-        if any(operand is None for operand in operands):
+    def call(self, node: External) -> Any:
+        if any(self.lookup(operand) is None for operand in node.operands):
             return None
-        return self.finite(node, super().call(node, operands))
+        return self.finite(node, super().call(node))
+
+    def known(self, key: str) -> Any:
+        return self.scope.get(key, self.values.get(key))
 
     def finite(self, node: Node, result: Any) -> Any:
         self.refuse(node, np.isnan(result), "is not a real number")
@@ -243,8 +263,8 @@ class _Audit(_Walk):
         index, values = int(np.argmax(bad)), {}
         for name in leaves(self.expression.root):
             key = self.key(name.name, name.end or self.end)
-            if node.start <= name.start and name.stop <= node.stop and self.scope.get(key) is not None:
-                array = np.ravel(self.scope[key])
+            if node.start <= name.start and name.stop <= node.stop and self.known(key) is not None:
+                array = np.ravel(self.known(key))
                 values[key] = float(array[index if len(array) > 1 else 0])
         raise _Found(Fault(self.expression.text[node.start : node.stop], index, values, why))
 

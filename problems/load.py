@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from . import messages, yamltext
-from .checks import check
+from .checks import NO_STATES, check
 from .errors import FileError, Mistake, SpecError
 from .overrides import override
-from .places import Places
+from .places import Finding, Places
 from .repair import repair
 from .spec import Spec
+from .yamltext import brief
+
+_UNSAFE = {
+    "hsllib": "makes the solver load a library",
+    "pardisolib": "makes the solver load a library",
+    "option_file_name": "makes the solver read another file",
+    "output_file": "makes the solver write a file",
+}
 
 
 def load(source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
@@ -34,16 +43,31 @@ def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequ
     data, given = override(document, overrides)
     places = Places(file, document.lines, given)
     data.setdefault("name", Path(file).stem)
+    early = _unsafe_options(data.get("solver"), places)
+    if not data.get("states") and not data.get("model"):
+        early.append(NO_STATES)
     try:
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, places) + (check(rest)[0] if rest else [])
+        found = messages.findings(error, places) + (check(rest)[0] if rest else []) + early
         raise SpecError(places.mistakes(found)) from None
     errors, warnings = check(spec)
-    if errors:
-        raise SpecError(places.mistakes(errors))
+    if errors or early:
+        raise SpecError(places.mistakes(errors + early))
     return spec.attach(text, places, warnings)
+
+
+def _unsafe_options(solver: Any, places: Places) -> list[Finding]:
+    """Options that a file may not set; IPOPT also knows them in capitals, and behind a prefix such as "resto."."""
+    found = []
+    for name in solver if isinstance(solver, dict) else ():
+        does = _UNSAFE.get(name.lower().rpartition(".")[2])
+        if does and not places.overridden(("solver", name)):
+            what = f"{brief(name)} {does}, which a problem file may not do: it is data, never code"
+            remedy = f"remove it, and give it on the command line: --set solver.{brief(name)}=..."
+            found.append(Finding(("solver", name), what, remedy))
+    return found
 
 
 def _read(path: Path) -> str:

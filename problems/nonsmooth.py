@@ -32,9 +32,9 @@ _JUMPS = (
     "is not a consistent function: its gradient jumps, and the solver then fails to converge (Kelly 2017, section 5.5)"
 )
 _CHOICE = (
-    "add a line that says how to make it so: nonsmooth: slack, exact, and best where a small abs is what is wanted, as in "
-    "an objective; nonsmooth: {tanh: alpha}, smooth and a little smaller; or nonsmooth: {sqrt: beta}, smooth and a little "
-    "larger; alpha and beta are in the unit of the argument, and smaller ones are more exact and harder to solve"
+    "add a line that makes it so: nonsmooth: slack, exact, and best where a small abs is what is wanted, as in an "
+    "objective; nonsmooth: {tanh: 0.01}, smooth and a little smaller; or nonsmooth: {sqrt: 0.01}, smooth and a little "
+    "larger, where 0.01 is in the unit of the argument, and less is more exact and harder to solve"
 )
 
 

@@ -12,7 +12,8 @@ from .syntax import nearest
 from .yamltext import Document, Path, kind, show
 
 # A new name in these would almost always be a misspelt one, and do nothing.
-_NAMED = ("parameters", "expressions", "states", "controls", "optimize")
+_NAMED = frozenset({"parameters", "expressions", "states", "controls", "algebraic", "optimize"})
+_OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
 
 
 def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, Any], dict[Path, str]]:
@@ -50,6 +51,8 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
         raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
     found: list[tuple[Path, Any]] = [((), data)]
     for step in steps:
+        if not (data.get("model") and steps[0] in _OF_MODEL):
+            _check_declared(found, step, where)
         found = [((*path, key), _below(node, key)) for path, node in found for key in _keys(node, step, path, where)]
     return (path for path, _ in found)
 
@@ -63,11 +66,16 @@ def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:
         return keys
     if isinstance(node, list):
         return [_index(node, step, path, where)]
-    if len(path) == 1 and path[0] in _NAMED and step not in (node or {}):
-        close = nearest(step, node or ())
-        remedy = f"did you mean {close}?" if close else "declare it in the file first"
-        raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
     return [step]
+
+
+def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> None:
+    """Refuse a new name in a section of names."""
+    for path, node in found:
+        if len(path) == 1 and path[0] in _NAMED and step not in (node or {}) and step != "*":
+            close = nearest(step, node or ())
+            remedy = f"did you mean {close}?" if close else "declare it in the file first"
+            raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
 
 
 def _index(items: list, step: str, path: Path, where: str) -> int:
@@ -96,7 +104,8 @@ def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
         if not isinstance(inner, dict | list):
             if not isinstance(following, str) or isinstance(inner, bool):
                 raise SpecError(Mistake(where, f"{show(path[: i + 1])} is {kind(inner)}", "name what stands there"))
-            inner = {} if inner is None or inner == "linear" else {"value": inner}
+            short = "expression" if path[0] == "residuals" else "value"
+            inner = {} if inner in (None, "linear", "slack") else {short: inner}
             node[step] = inner
         node = inner
     last, old = path[-1], _below(node, path[-1])

@@ -36,6 +36,10 @@ class Places:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
         return tuple(located)
 
+    def overridden(self, path: Path) -> bool:
+        """Whether the value at a path was given on the command line."""
+        return isinstance(self._origin(path), str)
+
     def known(self, path: Path) -> bool:
         return path in self.lines or path in self.overrides
 
@@ -64,7 +68,7 @@ class Places:
         origin = self._origin(path)
         if isinstance(origin, str):
             return f"--set {origin}"
-        if path and path[-1] == "value" and not self.known(path):
+        if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
             # the long form of a value that the file gives in short
             path = path[:-1]
         return f"{self.file}:{origin}: {show(path)}" if path else f"{self.file}:{origin}"

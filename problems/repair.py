@@ -13,13 +13,14 @@ from pydantic import ValidationError
 from .places import MAX_FINDINGS
 from .spec import Spec
 from .symbols import UNKNOWN
+from .syntax import nearest
 from .yamltext import Path
 
 _ROUNDS = 5  # removing one thing may show that another is missing
-_SECTIONS = {"parameters", "expressions", "states", "controls", "optimize"}
-_FORMULAS = {"rate", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
+_FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
 
-_MESH = [{"method": "any", "segments": 1}]
+_WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack"}
 _OBJECTIVE = {"minimize": {"integral": UNKNOWN}}
 
 
@@ -46,8 +47,8 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
 
 def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
     """Put something harmless at a path, or at the value on the way that is no mapping, or take it away."""
-    if path[0] == "mesh":
-        data["mesh"] = _MESH
+    if path[0] in _WHOLE:
+        data[path[0]] = _WHOLE[path[0]]
         return
     nodes: list[Any] = [data]
     while len(nodes) < len(path) and isinstance(inner := _below(nodes[-1], path[len(nodes) - 1]), dict | list):
@@ -56,11 +57,26 @@ def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
         # a list where one value should stand
         nodes.pop()
     path = path[: len(nodes)]
+    if path[0] == "states" and _keeps_dynamics(nodes[-1], path[-1], extra):
+        return
     harmless = None if extra else _harmless(path)
     if harmless is None and isinstance(nodes[-1], dict):
         nodes[-1].pop(path[-1], None)
     else:
         nodes[-1][path[-1]] = harmless
+
+
+def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:
+    """Mend a state without taking its dynamics, or the name of its velocity, away; whether that was the mistake."""
+    entry = node.get(key)
+    if extra and nearest(key, ("rate", "accel")):
+        node["rate" if "velocity" not in node else "accel"] = UNKNOWN
+        del node[key]
+        return True
+    if isinstance(entry, dict) and "rate" in entry and entry.keys() & {"accel", "velocity"}:
+        del entry["rate"]
+        return True
+    return False
 
 
 def _below(node: Any, key: str | int) -> Any:
@@ -83,11 +99,11 @@ def _harmless(path: Path) -> Any:
             known = {"initial": UNKNOWN, "final": UNKNOWN}
         case ("states", _):
             known = {"rate": UNKNOWN}
-        case ("controls" | "optimize", _):
+        case ("controls" | "optimize" | "algebraic", _) | ("states", _, "velocity"):
             known = {}
         case ("constraints", _, int()):
             known = {"expression": UNKNOWN, "equals": UNKNOWN}
-        case ("parameters" | "expressions", _) | (_, _, "initial" | "final") | ("time", "initial" | "final"):
+        case ("parameters" | "expressions" | "residuals", _) | (*_, "initial" | "final"):
             known = UNKNOWN
         case ("guess", "constants", _) | ("guess", "keyframes", _, _):
             known = UNKNOWN

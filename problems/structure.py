@@ -113,4 +113,5 @@ def _model(spec: Spec, model: Model) -> Iterator[Finding]:
                 what = f"the dynamics are those of the model {model.name}"
                 yield Finding(("states", name, key), what, f"remove {key}:, or model:")
     if spec.residuals:
-        yield Finding(("residuals",), f"the dynamics are those of the model {model.name}", "remove residuals:, or model:")
+        what = f"the dynamics are those of the model {model.name}"
+        yield Finding(("residuals",), what, "remove residuals:, or model:")

@@ -39,7 +39,11 @@ class Pose:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that is drawn of a result: `at` gives the poses at times (K,), `box` is (x, y) of two corners that hold all."""
+    """All that is drawn of a result.
+
+    at: times (K,) -> the poses. times: from the initial to the final one. box: (2, 2), the lower left and upper right
+    corners around everything. traces: number of a shape -> the path of its centre, (len(times), 2).
+    """
 
     result: Result
     at: Callable[[np.ndarray], list[Pose]]
@@ -121,7 +125,7 @@ def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 
 
 
 def paint(ax: Axes, shape: Shape, colour=None, *, fade: float = 0.0, shift: float = 0.0, layer: float = 2) -> Artist:
-    """One shape, `shift` metres to the right, in its role's own colour if none is given, `fade` (0 to 1) nearer white."""
+    """One shape, `shift` metres to the right, in its role's colour if none is given, `fade` (0 to 1) nearer white."""
     own, dashes = PARTS.get(shape.role, (BLACK, "-"))
     colour = own if colour is None else colour
     style = {"alpha": 1 - fade, "zorder": layer}
@@ -181,7 +185,7 @@ def stop_action_figure(result: Result, n_frames: int) -> Figure:
 def animate(result: Result, path: Path, frames: int, fps: int) -> None:
     """Write a film of `frames` pictures, uniform in time, to a .gif or .mp4.
 
-    Raises SpecError as `scene` does, and if a .mp4 is wanted where there is no ffmpeg; FileError if it cannot be written.
+    Raises SpecError as `scene` does, or for a .mp4 where there is no ffmpeg; FileError if it cannot be written.
     """
     encode = {".gif": _write_gif, ".mp4": _write_mp4}[path.suffix.lower()]
     with look():
@@ -215,19 +219,26 @@ def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image
 
 def _write_gif(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
     *rest, last = pictures
-    palette = _palette(last)
-    first, *others = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in (*rest, last)]
+    counted = sorted(last.getcolors(last.width * last.height), reverse=True)
+    palette = np.array([colour for _, colour in counted[:256]], int)  # the last picture has all the colours that matter
+    first, *others = (_indexed(picture, palette) for picture in (*rest, last))
     delays = [round(1000 / fps)] * len(rest) + [round(1000 * LAST_FRAME)]
     comment = "; ".join(f"{key}: {value}" for key, value in about.items()).encode()[:255]
     first.save(path, "GIF", save_all=True, append_images=others, duration=delays, loop=0, comment=comment)
 
 
-def _palette(picture: Image.Image) -> Image.Image:
-    """The colours that the picture has most of, unchanged. The last picture of a film has all that matter."""
-    counted = sorted(picture.getcolors(picture.width * picture.height), reverse=True)[:256]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette([part for _, colour in counted for part in colour])
-    return palette
+def _indexed(picture: Image.Image, palette: np.ndarray) -> Image.Image:
+    """The picture in the colours of the palette, shape (P, 3): exactly those where they are there, else the nearest.
+
+    Pillow's own conversion is coarser: it turns white to grey.
+    """
+    place = np.array([1 << 16, 1 << 8, 1])
+    codes, where = np.unique(np.asarray(picture, int) @ place, return_inverse=True)
+    colours = codes[:, None] // place % 256
+    nearest = ((colours[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
+    indexed = Image.fromarray(nearest[where].reshape(picture.height, picture.width).astype(np.uint8), "P")
+    indexed.putpalette(palette.ravel().tolist())
+    return indexed
 
 
 def check_film(path: Path) -> None:

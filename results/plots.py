@@ -7,7 +7,7 @@ interpolant, never straight lines between the points of the mesh.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, inf, log
 
 import numpy as np
@@ -37,9 +37,10 @@ from .style import (
 )
 
 Bounds = Mapping[str, Mapping[str, Range]]  # phase -> name -> range, as `curves.bounds_of` gives them
+NO_BOUNDS: Bounds = {}
 
 MAX_PANELS = 160
-MAX_MARKED = 250  # knots; more markers than that hide the curve
+TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
 FLAT = 1e-6  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
 VIOLATION = 1e-6  # by which a bound is left, relative to it: more than IPOPT's own relaxation of bounds
@@ -48,13 +49,15 @@ PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number 
 PANEL_HEIGHT = 1.25
 
 
-def draw_states(axes: Sequence[Axes], result: Result, names: Sequence[str] | None = None, bounds: Bounds = {}) -> None:  # noqa: B006
+def draw_states(
+    axes: Sequence[Axes], result: Result, names: Sequence[str] | None = None, bounds: Bounds = NO_BOUNDS
+) -> None:
     """Draw states over time, each on its own axes; all of them if no names are given."""
     for ax, name in zip(axes, result.states if names is None else names, strict=True):
         draw_curve(ax, result, "state", name, bounds)
 
 
-def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = {}) -> None:  # noqa: B006
+def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
     """Draw one quantity of all phases over time: dense curve, points of the mesh, bounds, marks of the mesh.
 
     kind: "state", "control", "algebraic" or "costate". bounds: empty for a picture without them.
@@ -87,9 +90,10 @@ def _label(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
 
 
 def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> None:
-    if len(phase.knots) > MAX_MARKED:
+    points = 72 * ax.get_position().width * ax.figure.get_figwidth() / len(phase.time)  # between markers; 72 to an inch
+    if points < TOO_NEAR:
         return
-    size = float(np.clip(150 / len(phase.knots), 1.5, 3.5))
+    size = float(np.clip(0.6 * points, 1.2, 3.5))
     knot = phase.at_knot
     style = {"linestyle": "", "markeredgewidth": 0.8, "zorder": 3}
     ax.plot(phase.time[knot], curve.points[knot], "o", color=BLACK, markersize=size, label="knot", **style)
@@ -123,7 +127,7 @@ def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[floa
                 style = {"color": VERMILION if broken else GREY, "label": "violated bound" if broken else "bound"}
                 ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
             elif gap < inf:
-                far.append(f"{arrow} {value:.4g}".replace("-", "\N{MINUS SIGN}"))
+                far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
     return "bound " + " ".join(dict.fromkeys(far)) if far else ""
 
 
@@ -134,7 +138,7 @@ def _set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
     ax.set_xlabel(labelled("time", phases[0].time_unit))
 
 
-def trajectory_figure(result: Result, bounds: Bounds = {}, only: Sequence[str] = ()) -> Figure:  # noqa: B006
+def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
     """States, controls, algebraic variables and costates over time, each in its panel; `only` those of these names.
 
     Raises SpecError for a name that is not there, and if there are too many panels for one picture.
@@ -228,7 +232,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
     right.set_xlabel("segment")
 
 
-def error_figure(result: Result, bounds: Bounds = {}, only: Sequence[str] = ()) -> Figure:  # noqa: B006
+def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
     """One row for each state: epsilon over time, and eta by segment. Raises SpecError as `trajectory_figure`."""
     states = [name for name in result.states if not only or name in only]
     if not states:
@@ -278,7 +282,7 @@ def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: boo
     ax.set_title(label, loc="left")
 
 
-def mesh_figure(result: Result, bounds: Bounds = {}, only: Sequence[str] = ()) -> Figure:  # noqa: B006
+def mesh_figure(result: Result) -> Figure:
     """The history of refinement: edges of all meshes; unknowns, objective and largest eta by mesh."""
     meshes = result.meshes
     with look():
@@ -291,14 +295,6 @@ def mesh_figure(result: Result, bounds: Bounds = {}, only: Sequence[str] = ()) -
         draw_history(figure.add_subplot(grid[1, 2]), "max η", [mesh.max_eta for mesh in meshes], logarithmic=True)
         _finish(figure, result)
     return figure
-
-
-FIGURES: dict[str, Callable[..., Figure]] = {
-    "trajectory": trajectory_figure,
-    "error": error_figure,
-    "mesh": mesh_figure,
-}
-"""Kind of picture -> function of a result, its bounds, and the names to draw."""
 
 
 def _finish(figure: Figure, result: Result) -> None:

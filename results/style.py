@@ -112,7 +112,7 @@ def set_title(ax: Axes, label: str, note: str = "") -> None:
     """A title at the left of the axes; a small note at the right if there is room, else at the end of the title."""
     width = ax.get_position().width * ax.figure.get_figwidth()
     room = width - LETTER * max(map(len, label.split("\n")))
-    if note and len(note) * 0.9 * LETTER > room:
+    if note and len(note) * 0.83 * LETTER > room:
         label, note = f"{label}\n{note}", ""
     ax.set_title(label, loc="left")
     ax.set_title(note, loc="right", color=GREY, fontsize="small")

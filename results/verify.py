@@ -85,7 +85,7 @@ def simulate(trajectory: Trajectory) -> np.ndarray:
         which = np.array([segment])
 
         def rate(t, x, which=which, start=start, h=end - start):
-            u = trajectory.evaluate(which, np.array([(t - start) / h])).u
+            u = trajectory.grid(which, np.array([(t - start) / h])).u[..., 0]
             t, x = np.array([t]), x[:, None]
             return phase.dynamics(t, x, consistent_inputs(phase, t, x, u, p), p)[:, 0]
 

@@ -143,7 +143,7 @@ KEYS = [
         "a section of the future", "solver: {max_iter: 100}", "phases: []", "phases", "the keys here are trajopt, name"
     ),
     _edit("a misspelt key", "rate: v,", "rates: v,", "states.x.rates", "did you mean rate?"),
-    _edit("no rate", "rate: v, ", "", "states.x.rate", "add rate: time derivative"),
+    _edit("no rate", "rate: v, ", "", "states.x", "rate is missing; add rate: an expression, or residuals:"),
     _edit("no method", "method: hermite-simpson, ", "", "mesh.0.method", "collocation method"),
     _edit("no states", "states:", "controls_: &s\nstates: {}\nunused:", "states", "at least 1", line=12),
     _edit(
@@ -179,7 +179,7 @@ KEYS = [
         "a kind of guess", "guess:\n  constants: {u: 1}\n  keyframes:", "guess: random\nother:", "guess", "write linear"
     ),
     _edit("a choice", "solver: {", "solver: {accept: good, ", "solver.accept", "'optimal' or 'acceptable'"),
-    _edit("an option as a list", "max_iter: 100", "max_iter: [1]", "solver.max_iter", "IPOPT option"),
+    _edit("an option as a list", "max_iter: 100", "max_iter: [1]", "solver.max_iter", "solver's option"),
     _edit("the option tol", "max_iter: 100", "tol: 1e-6", "solver.tol", "tolerance: in each entry of mesh:"),
 ]
 
@@ -303,7 +303,7 @@ EXPRESSIONS = [
     _rate("ln", "ln(u)", "write log(u)"),
     _rate("arcsin", "arcsin(u/9)", "write asin(u/9)"),
     _rate("abs", "u - abs(v)", "section 5.5"),
-    _rate("max", "max(u, v)", "smooth stand-in"),
+    _rate("max", "max(u, v)", "nonsmooth: {tanh: 0.01}"),
     _rate("an unknown function", "sine(u)", "did you mean sin?"),
     _rate("two arguments", "sin(u, v)", "one argument"),
     _rate("a comparison", "u > 0", "give the bounds as lower:, upper: or equals:"),

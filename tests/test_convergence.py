@@ -120,7 +120,7 @@ def test_interpolants_pass_through_the_points(method, degree):
     sample = trajectory.at(trajectory.mesh.fractions)
     assert sample.x == pytest.approx(trajectory.x, abs=1e-11)
     for group in trajectory.mesh.groups:
-        inside = trajectory.evaluate(group.segments[:, None], group.scheme.c[None, :])
+        inside = trajectory.grid(group.segments, group.scheme.c)
         assert inside.u == pytest.approx(trajectory.u[:, group.collocated], abs=1e-11)
         f = trajectory.phase.dynamics(inside.t, inside.x, inside.u, {})
         assert inside.dx == pytest.approx(f, abs=1e-9)  # epsilon is zero at the collocation points
@@ -150,8 +150,7 @@ def test_the_error_estimate_bounds_the_true_error(method, degree):
 def integrate(trajectory) -> float:
     """x(1) of dx/dt = u x for the trajectory's own control: e exp(integral of u), integrated by Gauss on segments."""
     nodes, weights = np.polynomial.legendre.leggauss(8)
-    segments = np.arange(trajectory.mesh.segments)[:, None]
-    u = trajectory.evaluate(segments, (nodes[None, :] + 1) / 2).u[0]
+    u = trajectory.grid(np.arange(trajectory.mesh.segments), (nodes + 1) / 2).u[0]
     return float(np.exp(1 + (trajectory.h[:, None] * weights / 2 * u).sum()))
 
 

@@ -1,6 +1,7 @@
 """What cannot be solved is explained in the user's terms: which constraint or expression, when, with which values."""
 
 import json
+import re
 import warnings
 
 import pytest
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 from trajopt.cli.main import app
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
+from trajopt.transcription.schemes import METHODS
 from trajopt.transcription.solve import Settings, solve, steps
 
 BLOCK = "x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}"
@@ -106,6 +108,14 @@ def test_constraints_that_contradict_each_other(case):
     assert missed in str(solution.violations[0])
     amounts = [violation.amount for violation in solution.violations]
     assert amounts == sorted(amounts, reverse=True) and amounts[-1] > 1e-7
+
+
+@pytest.mark.parametrize("method", [name for name in METHODS if name != "finite-difference"])  # it needs accel:
+def test_every_method_names_the_constraint(method):
+    solution = failed(problem(extra=PATH, method=method))
+    first = re.match(r"these cannot all hold: (.*?) between t = 0\.\d+ and 0\.9", solution.trouble)[1]
+    assert first == "path constraint 'speed limit'"
+    assert "the final value of x" in solution.trouble
 
 
 def test_what_does_not_act_is_not_named():

@@ -127,7 +127,7 @@ def test_the_problem_file_is_kept_to_the_letter(tmp_path):
     with h5py.File(save(tmp_path / "a.h5", "cartpole")) as file:
         assert file["spec/text"].asstr()[()].encode() == shipped()["cartpole"].read_bytes()
         full = json.loads(file["spec/full"].asstr()[()])
-        assert full["mesh"][0] == {"method": "hermite-simpson", "segments": 25, "tolerance": 1e-8}
+        assert full["mesh"][0].items() >= {"method": "hermite-simpson", "segments": 25, "tolerance": 1e-8}.items()
         assert full["states"]["q1"]["unit"] == "m"
 
 

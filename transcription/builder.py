@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,25 @@ class Place:
     computed: Mapping[str, Range]
 
 
+class _Values(dict):
+    """Names -> Pyomo items, made when they are asked for: a defect asks for few of them, at several points."""
+
+    def __init__(self, makers: Mapping[str, tuple[Any, str]], k, time: Callable[[], Any]):
+        super().__init__()
+        self.makers, self.k, self.time = makers, k, time
+
+    def __missing__(self, name: str):
+        if name == "t":
+            self[name] = self.time()
+        else:
+            component, key = self.makers[name]
+            self[name] = component[key, self.k]
+        return self[name]
+
+    def names(self) -> list[str]:
+        return ["t", *self.makers, *(name for name in self if name != "t" and name not in self.makers)]
+
+
 class PhaseBuilder:
     """Fills the block of one phase; the methods of a subclass are `stored`, `places`, `dynamics` and `end_values`."""
 
@@ -102,14 +122,26 @@ class PhaseBuilder:
         if phase.algebraic:
             block.z = Var([algebraic.name for algebraic in phase.algebraic], block.collocated)
         for state in phase.states:
-            ends = {0: state.initial, self.last: state.final}
-            values = guess.sample(state.name, mesh.fractions).tolist()
-            for k in stored.get(state.name, np.zeros(0, int)).tolist():
-                bound(block.x[state.name, k], ends.get(k, state.bounds), values[k])
+            points = stored.get(state.name, np.zeros(0, int)).tolist()
+            data = self._fill(block.x, state.name, points, state.bounds, guess)
+            for k, ends in ((0, state.initial), (self.last, state.final)):
+                if k in data:
+                    bound(data[k], ends, data[k].value)
         for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
-            values = guess.sample(name, mesh.fractions).tolist()
-            for k in block.collocated:
-                bound(component[name, k], variable.bounds, values[k])
+            self._fill(component, name, mesh.collocated.tolist(), variable.bounds, guess)
+
+    def _fill(self, component: Var, name: str, points: list[int], bounds: Range, guess) -> dict:
+        """Give one state or input its bounds and initial values; returns the variables by point."""
+        lower, upper = _finite(bounds.lower), _finite(bounds.upper)
+        values = guess.sample(name, self.mesh.fractions).tolist()
+        data = {k: component[name, k] for k in points}
+        for k, variable in data.items():
+            variable.set_value(values[k], skip_validation=True)
+            if lower is not None:
+                variable.setlb(lower)
+            if upper is not None:
+                variable.setub(upper)
+        return data
 
     def data(self, name: str, index, values: np.ndarray) -> None:
         self.block.add_component(name, Param(index, initialize=dict(zip(index, values.tolist(), strict=True))))
@@ -129,15 +161,18 @@ class PhaseBuilder:
     def at(self, k, states: Iterable[str], inputs: bool = True) -> dict:
         """p, t, the inputs if there are any, and the named states at point k."""
         block = self.block
-        values = {**self.p, "t": block.t0 + self.duration * block.fraction[k]}
-        values |= {name: component[name, k] for component, name in self.inputs if inputs}
-        return values | {name: block.x[name, k] for name in states}
+        makers = {name: (block.x, name) for name in states}
+        makers |= {name: (component, name) for component, name in self.inputs if inputs}
+        values = _Values(makers, k, lambda: block.t0 + self.duration * block.fraction[k])
+        values.update(self.p)
+        return values
 
     def _ends(self) -> dict:
         """The values at both ends of the phase, by names such as "q1[final]"."""
         values = dict(self.p)
         for end, last in (("initial", False), ("final", True)):
-            values |= {f"{name}[{end}]": v for name, v in self.end_values(last).items() if name not in self.p}
+            at_end = self.end_values(last)
+            values |= {f"{name}[{end}]": at_end[name] for name in at_end.names() if name not in self.p}
         return values
 
     # -- constraints and objective ---------------------------------------------------------------------------------
@@ -211,14 +246,16 @@ class PhaseBuilder:
 
 def bound(variable, bounds: Range, value: float) -> None:
     """Give a Pyomo variable its bounds and its initial value."""
-    variable.setlb(bounds.lower if np.isfinite(bounds.lower) else None)
-    variable.setub(bounds.upper if np.isfinite(bounds.upper) else None)
+    variable.setlb(_finite(bounds.lower))
+    variable.setub(_finite(bounds.upper))
     variable.set_value(value, skip_validation=True)
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None
 
 
 def _between(bounds: Range, body):
     if bounds.fixed:
         return body == bounds.lower
-    lower = bounds.lower if np.isfinite(bounds.lower) else None
-    upper = bounds.upper if np.isfinite(bounds.upper) else None
-    return (lower, body, upper)
+    return (_finite(bounds.lower), body, _finite(bounds.upper))

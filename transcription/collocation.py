@@ -132,7 +132,7 @@ class CollocationBuilder(PhaseBuilder):
         ]
         for node, row in eliminated.items():
             for state in self.phase.states:
-                x = [other.get(state.name) for other in nodes]
+                x = [None if i in eliminated else other[state.name] for i, other in enumerate(nodes)]
                 f = self._rates(scheme, state, nodes, scheme.R[row])
                 nodes[node][state.name] = scheme.eliminate(node, row, x, f, self.h(s))
         return nodes

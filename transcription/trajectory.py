@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,7 @@ DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpso
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
 
-@dataclass(frozen=True)
-class Sample:
+class Sample(NamedTuple):
     """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); inputs u (n_u, ...)."""
 
     t: np.ndarray
@@ -82,27 +82,43 @@ class Trajectory:
         """The dynamics at the points, shape (n_x, K)."""
         return self.phase.dynamics(self.times, self.x, self.u, self.parameters)
 
-    def evaluate(self, segment: np.ndarray, tau: np.ndarray) -> Sample:
-        """The trajectory at normalised times tau in [0, 1] of the given segments; the two arrays are broadcast."""
-        segment, tau = np.broadcast_arrays(segment, tau)
-        x, dx = np.empty((2, len(self.x), *segment.shape))
-        u = np.empty((len(self.u), *segment.shape))
+    def grid(self, segments: np.ndarray, tau: np.ndarray) -> Sample:
+        """The trajectory at the same normalised times tau, shape (M,), of some segments, shape (G,): shapes (..., G, M)."""
+        return self._sample(segments, tau, common=True)
+
+    def at(self, s: np.ndarray) -> Sample:
+        """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
+        edges = self.mesh.edges
+        segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, self.mesh.segments - 1)
+        return self._sample(segment, (s - edges[segment]) / self.mesh.widths[segment], common=False)
+
+    def _sample(self, segments: np.ndarray, tau: np.ndarray, common: bool) -> Sample:
+        """tau is common to all segments, shape (M,), or each segment has one, shape (G,)."""
+
+        def combine(nodal, basis):
+            return nodal @ basis.T if common else (nodal * basis).sum(axis=-1)
+
+        lift = (slice(None), None) if common else slice(None)
+        t = self.knots[segments][lift] + self.h[segments][lift] * tau
+        x, dx = np.empty((2, len(self.x), *t.shape))
+        u = np.empty((len(self.u), *t.shape))
         costate = None if self.costate is None else np.empty_like(x)
         for group in self.mesh.groups:
-            here = np.isin(segment, group.segments)
-            if not here.any():
+            here = np.flatnonzero(np.isin(segments, group.segments))
+            if not len(here):
                 continue
-            row, h = np.searchsorted(group.segments, segment[here]), self.h[segment[here]]
-            distinct, which = np.unique(tau[here], return_inverse=True)
-            X, F, dX, dF, U = (m[which] for m in group.scheme.interpolant(distinct))
+            row, h, own = np.searchsorted(group.segments, segments[here]), self.h[segments[here]], tau
+            if not common:
+                own = tau[here]
+            X, F, dX, dF, U = group.scheme.interpolant(own)
             nodes, f = self.x[:, group.nodes[row]], self.f[:, group.collocated[row]]
-            x[:, here] = (nodes * X).sum(axis=-1) + h * (f * F).sum(axis=-1)
-            dx[:, here] = (nodes * dX).sum(axis=-1) / h + (f * dF).sum(axis=-1)
-            u[:, here] = (self.u[:, group.collocated[row]] * U).sum(axis=-1)
+            x[:, here] = combine(nodes, X) + h[lift] * combine(f, F)
+            dx[:, here] = combine(nodes, dX) / h[lift] + combine(f, dF)
+            u[:, here] = combine(self.u[:, group.collocated[row]], U)
             if costate is not None:  # the polynomial through the costates at the segment's state nodes
-                basis = lagrange_basis(group.scheme.sigma, distinct)[which]
-                costate[:, here] = (self.costate[:, group.slots[row]] * basis).sum(axis=-1)
-        return Sample(self.knots[segment] + self.h[segment] * tau, x, u, dx, costate)
+                basis = lagrange_basis(group.scheme.sigma, own)
+                costate[:, here] = combine(self.costate[:, group.slots[row]], basis)
+        return Sample(t, x, u, dx, costate)
 
     @property
     def point_costate(self) -> np.ndarray:
@@ -110,12 +126,6 @@ class Trajectory:
         points = self.mesh.slot_points
         sides = np.bincount(points)
         return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
-
-    def at(self, s: np.ndarray) -> Sample:
-        """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
-        edges = self.mesh.edges
-        segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, self.mesh.segments - 1)
-        return self.evaluate(segment, (s - edges[segment]) / self.mesh.widths[segment])
 
     def sample(self, name: str, s: np.ndarray) -> np.ndarray:
         """One state or input at normalised times s, shape (M,): a trajectory is a guess for the next mesh."""
@@ -130,9 +140,13 @@ class Trajectory:
         segments = self.mesh.segments
         degree = int(self.mesh.degrees.max())
         count = int(np.clip(DENSE_POINTS // segments, 2 * degree, max(DENSE_PER_SEGMENT, 10 * degree)))
-        segment = np.append(np.repeat(np.arange(segments), count), segments - 1)
-        tau = np.append(np.tile(np.arange(count) / count, segments), 1.0)
-        return self.evaluate(segment, tau)
+        inside = self.grid(np.arange(segments), np.arange(count) / count)
+        end = self.grid(np.array([segments - 1]), np.ones(1))
+
+        def join(a, b):
+            return None if a is None else np.concatenate([a.reshape(*a.shape[:-2], -1), b[..., 0]], axis=-1)
+
+        return Sample(*map(join, inside, end))
 
 
 def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajectory, ...]:

@@ -103,9 +103,12 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Tran
     variables, phases = [], []
 
     def place(component, index=None) -> int:
-        if index not in component or component[index].fixed:
+        if index not in component:
             return -1
-        variables.append(component[index])
+        variable = component[index]
+        if variable.fixed:
+            return -1
+        variables.append(variable)
         return len(variables) - 1
 
     for builder in builders:
