@@ -108,7 +108,15 @@ class _Smooth:
         parts = zip(below(node), self.slopes(node), strict=True)
         new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
         nonsmooth = isinstance(node, Operation) and node.symbol in INCONSISTENT and not self.symbols.constant(node)
-        return self.replaced(new, wanted) if nonsmooth else new
+        return self.replaced(self._constants_first(new), wanted) if nonsmooth else new
+
+    def _constants_first(self, node: Operation) -> Operation:
+        """min and max of the constants among the operands stay exact: one operand for all of them."""
+        constants = [n for n in node.operands if self.symbols.constant(n)]
+        if len(constants) < 2:
+            return node
+        rest = (n for n in node.operands if n not in constants)
+        return replace(node, operands=(replace(node, operands=tuple(constants)), *rest))
 
     def slopes(self, node: Node) -> list[Signs]:
         return [EITHER] * len(below(node))

@@ -221,23 +221,29 @@ def _write_gif(path: Path, pictures: Iterator[Image.Image], fps: int, about: Map
     *rest, last = pictures
     counted = sorted(last.getcolors(last.width * last.height), reverse=True)
     palette = np.array([colour for _, colour in counted[:256]], int)  # the last picture has all the colours that matter
-    first, *others = (_indexed(picture, palette) for picture in (*rest, last))
+    first, *others = map(_indexer(palette), (*rest, last))
     delays = [round(1000 / fps)] * len(rest) + [round(1000 * LAST_FRAME)]
     comment = "; ".join(f"{key}: {value}" for key, value in about.items()).encode()[:255]
     first.save(path, "GIF", save_all=True, append_images=others, duration=delays, loop=0, comment=comment)
 
 
-def _indexed(picture: Image.Image, palette: np.ndarray) -> Image.Image:
-    """The picture in the colours of the palette, shape (P, 3): exactly those where they are there, else the nearest.
+def _indexer(palette: np.ndarray) -> Callable[[Image.Image], Image.Image]:
+    """A function that puts pictures into the colours of the palette, shape (P, 3): the same, or else the nearest.
 
     Pillow's own conversion is coarser: it turns white to grey.
     """
     place = np.array([1 << 16, 1 << 8, 1])
-    codes, where = np.unique(np.asarray(picture, int) @ place, return_inverse=True)
-    colours = codes[:, None] // place % 256
-    nearest = ((colours[:, None] - palette) ** 2).sum(axis=-1).argmin(axis=1)
-    indexed = Image.fromarray(nearest[where].reshape(picture.height, picture.width).astype(np.uint8), "P")
-    indexed.putpalette(palette.ravel().tolist())
+    known = np.full(1 << 24, -1, np.int16)  # number of each colour in the palette, filled as colours come
+
+    def indexed(picture: Image.Image) -> Image.Image:
+        codes = np.asarray(picture, np.int32) @ place
+        new = np.unique(codes[known[codes] < 0])
+        distance = (((new[:, None] // place % 256)[:, None] - palette) ** 2).sum(axis=-1)
+        known[new] = distance.argmin(axis=1) if len(new) else 0
+        result = Image.fromarray(known[codes].astype(np.uint8), "P")
+        result.putpalette(palette.ravel().tolist())
+        return result
+
     return indexed
 
 

@@ -41,7 +41,7 @@ NO_BOUNDS: Bounds = {}
 
 MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
-FLAT = 1e-6  # a curve that varies by less than this part of its size is drawn as a constant
+FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
 VIOLATION = 1e-6  # by which a bound is left, relative to it: more than IPOPT's own relaxation of bounds
 LEGEND = (*KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")

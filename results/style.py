@@ -125,11 +125,11 @@ class Frame:
     They are fixed: to measure all texts first takes as long as to draw the figure.
     """
 
-    left: float = 0.75
+    left: float = 0.85
     right: float = 0.2
     top: float = 0.85
     bottom: float = 0.9
-    across: float = 0.75
+    across: float = 0.85
     down: float = 0.45
 
     def figure(self, rows: Sequence[float], columns: int, width: float) -> tuple[Figure, GridSpec]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-METHODS = ("trapezoid", "hermite-simpson", "hermite-simpson-compressed")
+METHODS = ("trapezoid", "hermite-simpson", "hermite-simpson-compressed", "finite-difference")
 
 GOOD = """\
 trajopt: 1

@@ -38,6 +38,7 @@ def test_shipped_problem_loads_and_builds(path):
     values = {name: phase.guess.sample(name, np.array([0.0, 0.5, 1.0])) for name in phase.guess.values}
     values |= {"t": np.array([0.0, 0.5, 1.0]), **phase.guess.parameters}
     assert all(np.all(np.isfinite(state.rate(values, np))) for state in phase.states)
+    assert all(np.all(np.isfinite(residual.function(values, np))) for residual in phase.residuals)
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
@@ -50,12 +51,14 @@ def test_json_schema_refuses_what_the_loader_refuses():
     jsonschema = pytest.importorskip("jsonschema")
     good = yaml.safe_load(broken.GOOD)
     jsonschema.validate(good, schema(broken.METHODS))
-    wrong = [("mesh", 0, {"method": "euler", "segments": 1}), ("states", "x", {}), ("time", "end", 1)]
+    wrong = [("mesh", 0, {"method": "euler", "segments": 1}), ("states", "x", {"rate": []}), ("time", "end", 1)]
     for section, key, value in wrong:
         bad = json.loads(json.dumps(good))
         bad[section][key] = value
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(bad, schema(broken.METHODS))
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({key: value for key, value in good.items() if key != "states"}, schema())
 
 
 def test_every_field_is_described():

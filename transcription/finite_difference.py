@@ -84,10 +84,10 @@ class DifferenceBuilder(PhaseBuilder):
             def inner(block, k, position=position, velocity=velocity):
                 return self._defect(position, velocity, k, self._inner_values(k))
 
-            def first(block, position=position, velocity=velocity):
+            def first(block, *, position=position, velocity=velocity):
                 return self._defect(position, velocity, 1, self.end_values(False))
 
-            def final(block, position=position, velocity=velocity):
+            def final(block, *, position=position, velocity=velocity):
                 return self._defect(position, velocity, self.last - 1, self.end_values(True))
 
             name, times = velocity.name, self.mesh.fractions[1:-1]

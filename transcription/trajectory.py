@@ -144,7 +144,9 @@ class Trajectory:
         end = self.grid(np.array([segments - 1]), np.ones(1))
 
         def join(a, b):
-            return None if a is None else np.concatenate([a.reshape(*a.shape[:-2], -1), b[..., 0]], axis=-1)
+            if a is None:
+                return None
+            return np.concatenate([a.reshape(*a.shape[:-2], a.shape[-2] * a.shape[-1]), b[..., 0]], axis=-1)
 
         return Sample(*map(join, inside, end))
 
