@@ -66,7 +66,7 @@ def methods() -> None:
     from ..transcription.schemes import METHODS
 
     rows = [(m.name, m.family, m.order, m.ends, m.state, m.control, m.source) for m in METHODS.values()]
-    print_table(("method", "family", "order", "ends collocated", "state", "control", "source"), rows)
+    print_table(("method", "family", "order", "ends", "state", "control", "source"), rows)
 
 
 @command

@@ -197,23 +197,26 @@ def animate(result: Result, path: Path, frames: int, fps: int) -> None:
 
 
 def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image.Image]:
-    """The pictures one after the other; only what moves is drawn anew."""
+    """The pictures one after the other; the axes are drawn once, and over them what moves."""
     canvas = FigureCanvasAgg(figure)
     unit = plain(stage.result.phases[0].time_unit, 20)
     _set_view(ax, stage.box)
-    clock = ax.set_title("", loc="right")
-    first = stage.at(stage.times[:1])[0]
+    canvas.draw()
+    background = canvas.copy_from_bbox(figure.bbox)
+    clock = ax.text(1, 1.02, "", transform=ax.transAxes, ha="right", va="bottom")
     lines = {i: ax.plot([], [], color=GREY, linewidth=0.9, zorder=1)[0] for i in stage.traces}
     for pose in stage.at(np.linspace(stage.start, stage.end, frames)):
         past = stage.times <= pose.t
         for i, line in lines.items():
-            whole = first.shapes[i].trace == "wire"
+            whole = pose.shapes[i].trace == "wire"
             line.set_data(*stage.traces[i][slice(None) if whole else past].T)
-        moving = [paint(ax, shape) for shape in pose.shapes]
         clock.set_text(f"t = {pose.t:.2f} {unit}")
-        canvas.draw()
+        shapes = [paint(ax, shape) for shape in pose.shapes]
+        canvas.restore_region(background)
+        for artist in sorted([clock, *lines.values(), *shapes], key=lambda artist: artist.get_zorder()):
+            ax.draw_artist(artist)
         yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-        for artist in moving:
+        for artist in shapes:
             artist.remove()
 
 

@@ -72,8 +72,8 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
     extent = low, high = _extent([phase.curves[kind][name] for phase in phases])
     far = _draw_bounds(ax, phases, name, bounds if kind != "costate" else {}, extent)
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
-        middle = (low + high) / 2
-        ax.set_ylim(middle - max(abs(middle) / 10, NOISE), middle + max(abs(middle) / 10, NOISE))
+        middle, half = (low + high) / 2, max(abs(low + high) / 20, NOISE) if low or high else 1.0
+        ax.set_ylim(middle - half, middle + half)
     width = ax.get_position().width * ax.figure.get_figwidth()
     set_title(ax, labelled(*_label(kind, name, phases[0]), width), far)
     ax.yaxis.set_major_formatter(Numbers())
@@ -218,7 +218,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
         left.plot(phase.dense_time, phase.epsilon[state].dense, color=BLUE, linewidth=1.0, label="epsilon")
         _draw_mesh_marks(left, phase.knots)
     left.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
-    left.set_title(labelled(f"d{state}/dt − f", phases[0].epsilon[state].unit), loc="left")
+    left.set_title(labelled(f"ε of {state}", phases[0].epsilon[state].unit), loc="left")
     left.yaxis.set_major_formatter(Numbers())
     _set_times(left, phases)
     eta = np.concatenate([phase.eta[state] for phase in phases])
@@ -246,7 +246,7 @@ def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
             if row < len(states) - 1:
                 _unlabel(pair[0])
                 _unlabel(pair[1])
-        _finish(figure, result)
+        _finish(figure, result, "ε = dx/dt − f, η = integral of |ε| over a segment")
     return figure
 
 
@@ -297,8 +297,8 @@ def mesh_figure(result: Result) -> Figure:
     return figure
 
 
-def _finish(figure: Figure, result: Result) -> None:
-    """The title: the problem, how the solve ended, objective and mesh."""
+def _finish(figure: Figure, result: Result, *notes: str) -> None:
+    """The title: the problem, how the solve ended, objective and mesh; and notes, a line for each."""
     mesh = result.meshes[-1]
     status = "solved" if result.solved else f"NOT SOLVED: {result.message}"
     letters = int(figure.get_figwidth() / (1.15 * LETTER))
@@ -309,4 +309,4 @@ def _finish(figure: Figure, result: Result) -> None:
     ]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(lines[1:])]
-    head(figure, lines, BLACK if result.solved else VERMILION)
+    head(figure, [*lines, *notes], BLACK if result.solved else VERMILION)

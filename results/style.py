@@ -81,12 +81,14 @@ class Numbers(Formatter):
     """Numbers beside an axis, each written out: a common factor above the axis would push the panel's title away."""
 
     def __call__(self, value: float, position: int | None = None) -> str:
-        steps = np.diff(self.locs) if len(self.locs) > 1 else np.ones(1)
-        size, step = np.abs(self.locs).max(initial=1e-300), np.abs(steps).min()
-        if abs(value) < 1e-9 * step:
-            return "0"
-        digits = 3 + max(int(np.ceil(np.log10(size / step))), 0) if step > 0 else 6
-        return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+        return self.format_ticks([value])[0]
+
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        size = np.abs(values).max(initial=1e-300)
+        step = np.abs(np.diff(values)).min(initial=size) or size
+        digits = 3 + max(int(np.ceil(np.log10(size / step))), 0)
+        texts = ("0" if abs(value) < 1e-9 * step else f"{value:.{digits}g}" for value in values)
+        return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
 
 
 def look():

@@ -84,11 +84,11 @@ class Scheme:
 
     @property
     def state_interpolant(self) -> str:
-        return f"degree {len(self.c)}"
+        return str(len(self.c))
 
     @property
     def control_interpolant(self) -> str:
-        return f"degree {len(self.c) - 1}"
+        return str(len(self.c) - 1)
 
     @cached_property
     def collocated(self) -> tuple[int, ...]:
@@ -144,8 +144,8 @@ class FiniteDifference:
     collocated: tuple[int, ...] = (0, 1)
     eliminated: tuple[tuple[int, int], ...] = ()
     b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
-    state_interpolant: str = "degree 3"
-    control_interpolant: str = "degree 1"
+    state_interpolant: str = "3"
+    control_interpolant: str = "1"
 
     def interpolant(self, tau: np.ndarray) -> Interpolant:
         t = np.asarray(tau, float)

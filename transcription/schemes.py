@@ -42,14 +42,14 @@ class Method:
         """The degree of the state's interpolant, in words."""
         if self.scheme is not None:
             return self.scheme.state_interpolant
-        return "degree n + 1" if self.ends == "both" else "degree n"
+        return "n + 1" if self.ends == "both" else "n"
 
     @property
     def control(self) -> str:
         """The degree of the control's interpolant, in words."""
         if self.scheme is not None:
             return self.scheme.control_interpolant
-        return "degree n" if self.ends == "both" else "degree n - 1"
+        return "n" if self.ends == "both" else "n - 1"
 
     def of_degree(self, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
         """The scheme; raises SpecError for a degree or a form that it does not have."""
@@ -204,7 +204,7 @@ METHODS = {
         Method("radau", "Legendre-Gauss-Radau", "right", "2n - 1", _LEGENDRE, nodes=radau),
         Method("radau-left", "Legendre-Gauss-Radau", "left", "2n - 1", _LEGENDRE, nodes=radau_left),
         Method("lobatto", "Legendre-Gauss-Lobatto", "both", "2n", _LEGENDRE, nodes=lobatto),
-        Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1, n + 2 for even n",
+        Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1 or n + 2",
                "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev),
         _fixed(FINITE_DIFFERENCE, "both"),
     )

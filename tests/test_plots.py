@@ -1,0 +1,305 @@
+"""Pictures of results: what is in them, where they go, and what is refused."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import typer
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+from typer.testing import CliRunner
+
+from trajopt.cli.main import app as trajopt
+from trajopt.cli.plot import animate, plot
+from trajopt.problems.errors import SpecError
+from trajopt.problems.problem import Range
+from trajopt.results import plots
+from trajopt.results.curves import bounds_of, read
+from trajopt.results.style import DPI, Numbers, drawn_by_us
+
+app = typer.Typer()
+app.command()(plot)
+app.command()(animate)
+
+SOLVES = {
+    "cartpole": ("cartpole", "--segments", "5"),
+    "unsolved": ("cartpole", "--segments", "5", "--set", "solver.max_iter=2"),
+    "pendulum": ("pendulum", "--segments", "20"),  # no costates
+    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # two meshes, algebraic variables
+    "bounded": ("bryson_denham", "--segments", "6"),  # a path constraint on one state
+}
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """name -> a result file, each solved once."""
+    folder, made = tmp_path_factory.mktemp("results"), {}
+
+    def solve(name: str) -> Path:
+        if name not in made:
+            made[name] = folder / f"{name}.h5"
+            run = CliRunner().invoke(trajopt, ["solve", *SOLVES[name], "-q", "-o", str(made[name])])
+            assert run.exit_code == (name == "unsolved"), run.output
+        return made[name]
+
+    return solve
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*arguments):
+    """A run inside this process. Anything but an exit with a code is a bug."""
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
+    return result
+
+
+def titles(figure):
+    return [ax.get_title(loc="left").replace("\n", " ") for ax in figure.axes]
+
+
+def labels(ax):
+    return ax.get_legend_handles_labels()[1]
+
+
+def test_picture_is_drawn_at_150_dpi_and_is_not_blank(solved, folder):
+    result = run("plot", solved("cartpole"))
+    assert (result.exit_code, result.stdout) == (0, "cartpole.png\n")
+    picture = Image.open(folder / "cartpole.png")
+    figure = plots.trajectory_figure(read(solved("cartpole")))
+    assert picture.size == tuple(np.floor(figure.get_size_inches() * DPI + 1e-9).astype(int))
+    dark = np.asarray(picture.convert("L")) < 128
+    assert 0.002 < dark.mean() < 0.2
+    assert picture.text["Title"] == "cart-pole swing-up"
+    edges = (dark[:3], dark[-3:], dark[:, :3], dark[:, -3:])
+    assert not any(edge.any() for edge in edges)  # nothing is cut off
+
+
+def test_every_quantity_has_a_panel_with_its_unit(solved):
+    figure = plots.trajectory_figure(read(solved("cartpole")))
+    assert titles(figure) == [
+        "q1 [m]", "q2 [rad]", "v1 [m/s]", "v2 [rad/s]", "u [N]", "costate of q1 [objective/m]",
+        "costate of q2 [objective/rad]", "costate of v1 [objective/(m/s)]", "costate of v2 [objective/(rad/s)]",
+    ]  # fmt: skip
+    assert {ax.get_xlabel() for ax in figure.axes} == {"", "time [s]"}
+    assert figure.get_suptitle().startswith("cart-pole swing-up: solved\nobjective 58.")
+
+
+@pytest.mark.parametrize(("name", "count"), [("pendulum", 2 + 1), ("biped", 10 + 5 + 5 + 10)])
+def test_kinds_that_are_not_there_have_no_panel(solved, name, count):
+    figure = plots.trajectory_figure(read(solved(name)))
+    assert len(figure.axes) == count
+    assert ("ddq1 [rad/s²]" in titles(figure)) == (name == "biped")
+
+
+def test_result_without_algebraic_variables_and_costates(solved, folder):
+    with h5py.File(solved("cartpole")) as source, h5py.File("old.h5", "w") as old:
+        source.copy("/phase", old)
+        for group in ("mesh", "spec"):
+            source.copy(group, old)
+        old.attrs.update(source.attrs)
+        for grid in ("points", "dense"):
+            del old[f"phase/main/{grid}/algebraic"], old[f"phase/main/{grid}/costate"]
+    assert len(plots.trajectory_figure(read(folder / "old.h5")).axes) == 5
+
+
+def test_curves_are_the_dense_ones_and_markers_the_points(solved):
+    result = read(solved("cartpole"))
+    (phase,) = result.phases
+    curve, knots, inner = plots.trajectory_figure(result).axes[0].get_lines()
+    assert curve.get_xydata() == pytest.approx(np.stack([phase.dense_time, phase.curves["state"]["q1"].dense], axis=1))
+    assert len(phase.dense_time) > 10 * len(phase.time)
+    assert knots.get_xdata() == pytest.approx(phase.knots)
+    assert inner.get_xdata() == pytest.approx((phase.knots[1:] + phase.knots[:-1]) / 2)
+    assert (knots.get_marker(), knots.get_linestyle()) != (inner.get_marker(), "-")
+
+
+def test_bounds_near_the_curve_are_lines_and_others_words(solved):
+    result = read(solved("cartpole"))
+    bounds = bounds_of(result.build()[0])
+    assert bounds["main"]["u"] == Range(-20, 20)
+    q1 = plots.trajectory_figure(result, bounds).axes[0]
+    assert [line.get_ydata()[0] for line in q1.get_lines() if line.get_label() == "bound"] == [2]
+    assert q1.get_title(loc="right") == "bound ↓ −2"
+    assert "bound" not in labels(plots.trajectory_figure(result).axes[0])
+
+
+def test_path_constraint_on_one_name_is_a_bound(solved):
+    result = read(solved("bounded"))
+    assert bounds_of(result.build()[0])["main"]["x"].upper == pytest.approx(1 / 9)
+
+
+def test_unreadable_problem_is_drawn_without_bounds(solved, folder):
+    changed = folder / "changed.h5"
+    changed.write_bytes(solved("cartpole").read_bytes())
+    with h5py.File(changed, "a") as file:
+        spec = json.loads(file["spec/full"].asstr()[()])
+        spec["mesh"] = "of another version"
+        del file["spec/full"]
+        file["spec/full"] = json.dumps(spec)
+    result = run("plot", changed)
+    assert result.exit_code == 0
+    assert "warning" in result.stderr and "without bounds" in result.stderr
+    assert run("plot", changed, "--no-bounds").stderr == ""
+
+
+def test_unsolved_result_says_so(solved):
+    figure = plots.trajectory_figure(read(solved("unsolved")))
+    assert "NOT SOLVED: ran out of iterations" in figure.get_suptitle()
+    assert run("plot", solved("unsolved"), "--error").exit_code == 0
+
+
+def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):
+    result = read(solved("cartpole"))
+    figure = plots.error_figure(result, ("q1", "v2"))
+    assert titles(figure) == ["ε of q1 [m/s]", "η of q1 [m]", "ε of v2 [rad/s²]", "η of v2 [rad/s]"]
+    left, right = figure.axes[:2]
+    assert left.get_lines()[0].get_ydata() == pytest.approx(result.phases[0].epsilon["q1"].dense)
+    (bars,) = right.patches
+    eta = result.phases[0].eta["q1"]
+    assert bars.get_data().values == pytest.approx(eta)
+    assert right.get_title(loc="right") == f"max {eta.max():.2g} in segment {eta.argmax() + 1}"
+
+
+def test_mesh_picture_shows_every_mesh(solved):
+    result = read(solved("biped"))
+    edges, unknowns, objective, eta = plots.mesh_figure(result).axes
+    assert [label.get_text() for label in edges.get_yticklabels()] == ["1: hermite-simpson, 5", "2: hermite-simpson, 6"]
+    assert [len(lines.get_segments()) for lines in edges.collections[1::2]] == [6, 7]
+    for ax, name in ((unknowns, "unknowns"), (objective, "objective"), (eta, "max_eta")):
+        assert ax.get_lines()[0].get_ydata() == pytest.approx([getattr(mesh, name) for mesh in result.meshes])
+
+
+def test_several_pictures_are_several_files_or_pages(solved, folder):
+    assert run("plot", solved("cartpole"), "--error", "--mesh").stdout.split() == [
+        "cartpole-error.png",
+        "cartpole-mesh.png",
+    ]
+    assert run("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.pdf").exit_code == 0
+    content = (folder / "both.pdf").read_bytes()
+    assert content.startswith(b"%PDF") and b"/Count 2" in content
+    refused = run("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.png")
+    assert refused.exit_code == 2
+    assert "one file cannot hold two pictures" in refused.stderr
+
+
+def test_several_results_go_to_a_folder(solved, folder):
+    (folder / "out").mkdir()
+    pair = solved("cartpole"), solved("bounded")
+    assert run("plot", *pair, "-o", "out", "--only", "v,v1").exit_code == 2  # neither has both
+    assert run("plot", *pair, "-o", "out").stdout.split() == ["out/cartpole.png", "out/bounded.png"]
+    assert run("plot", *pair, "-o", "one.png").exit_code == 3
+    assert run("plot", pair[0], pair[0], "-o", "out").exit_code == 2
+    assert run("plot", pair[0], "-o", "missing/").exit_code == 3
+
+
+def test_chosen_names(solved):
+    result = read(solved("cartpole"))
+    assert titles(plots.trajectory_figure(result, only=("u", "q2"))) == [
+        "q2 [rad]",
+        "u [N]",
+        "costate of q2 [objective/rad]",
+    ]
+    refused = run("plot", solved("cartpole"), "--only", "q9")
+    assert refused.exit_code == 2
+    assert 'there is no "q9"' in refused.stderr
+    assert run("plot", solved("cartpole"), "--only", "u", "--error").exit_code == 2
+    assert run("plot", solved("cartpole"), "--only", "u", "--mesh").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("-o", "picture.jpg"), 2, "end the name with .png or .pdf"),
+        (("-o", "picture"), 2, "no suffix"),
+        (("-o", "missing/picture.png"), 3, "folder does not exist"),
+        (("-o", "foreign.png"), 3, "not drawn by trajopt"),
+        (("-o", "foreign.png", "--force"), 0, ""),
+    ],
+)
+def test_targets(solved, folder, arguments, code, words):
+    (folder / "foreign.png").write_bytes(b"\x89PNG\r\n\x1a\n of somebody else")
+    result = run("plot", solved("cartpole"), "--only", "u", *arguments)
+    assert result.exit_code == code
+    assert words in result.stderr
+    assert drawn_by_us(folder / "foreign.png") == ("--force" in arguments)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pdf"])
+def test_our_own_picture_is_replaced_and_comes_out_the_same(solved, folder, suffix):
+    pictures = []
+    for _ in range(2):
+        assert run("plot", solved("cartpole"), "--only", "u", "-o", f"u{suffix}").exit_code == 0
+        pictures.append((folder / f"u{suffix}").read_bytes())
+    assert pictures[0] == pictures[1]
+    assert sorted(path.name for path in folder.iterdir()) == [f"u{suffix}"]
+
+
+def test_what_is_no_result_is_refused(folder):
+    (folder / "text.h5").write_text("no HDF5")
+    assert run("plot", "text.h5").exit_code == 3
+    assert run("plot", "missing.h5").exit_code == 3
+
+
+def chain(states: int, name: str = "x") -> str:
+    """A problem file with many states, long names and odd characters."""
+    lines = [f"  {name}{i}: {{unit: '$kg', rate: {name}{i + 1}, initial: 0}}" for i in range(states - 1)]
+    lines.append(f"  {name}{states - 1}: {{unit: '$kg', rate: u, initial: 0, final: 1}}")
+    mesh = "mesh: [{method: trapezoid, segments: 3}]"
+    head = ["trajopt: 1", "name: 'costs $5, or $6'", "time: {initial: 0, final: 1}", "states:", *lines]
+    return "\n".join([*head, "controls: {u: {}}", "objective: {minimize: {integral: u**2}}", mesh])
+
+
+@pytest.mark.parametrize(("states", "name"), [(1, "x"), (20, "a_rather_long_name_of_a_state_")])
+def test_panels_of_one_and_of_many_states_do_not_overlap(folder, states, name):
+    (folder / "chain.yaml").write_text(chain(states, name))
+    assert CliRunner().invoke(trajopt, ["solve", "chain.yaml", "-q"]).exit_code == 0
+    figure = plots.trajectory_figure(read(folder / "chain.h5"))
+    assert len(figure.axes) == 2 * states + 1
+    boxes = [ax.get_tightbbox(FigureCanvasAgg(figure).get_renderer()).frozen() for ax in figure.axes]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    assert not any((box.min < 0).any() or (box.max > figure.bbox.size).any() for box in boxes)
+
+
+def test_too_many_panels_are_refused_with_a_way_out(folder):
+    (folder / "chain.yaml").write_text(chain(90))
+    assert CliRunner().invoke(trajopt, ["solve", "chain.yaml", "-q"]).exit_code == 0
+    result = read(folder / "chain.h5")
+    with pytest.raises(SpecError, match="--only"):
+        plots.trajectory_figure(result)
+    assert len(plots.trajectory_figure(result, only=("x0", "x89", "u")).axes) == 5
+
+
+@pytest.mark.parametrize(
+    ("ticks", "texts"),
+    [
+        ([0, 0.5, 1], ["0", "0.5", "1"]),
+        ([-1e-9, 0, 1e-9], ["−1e−09", "0", "1e−09"]),
+        ([0.1 + 0.2, 0.4], ["0.3", "0.4"]),
+        ([2.86735, 2.8674, 2.86745], ["2.86735", "2.8674", "2.86745"]),
+        ([3.0], ["3"]),
+    ],
+)
+def test_numbers_beside_an_axis(ticks, texts):
+    assert Numbers().format_ticks(ticks) == texts
+
+
+def test_no_window_system_and_no_start_up_time_is_needed(solved, folder):
+    script = (
+        "import sys; from trajopt.cli.plot import plot; assert 'matplotlib' not in sys.modules\n"
+        f"plot([__import__('pathlib').Path({str(solved('cartpole'))!r})], output='u.png', only='u')\n"
+        "assert 'matplotlib.pyplot' not in sys.modules"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"} | {"MPLBACKEND": "TkAgg"}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "u.png").exists()
