@@ -25,7 +25,7 @@ FPS, FRAMES = 20, (24, 240)
 POSES = 9
 
 Picture = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Name of the picture, or a folder.")]
-Only = Annotated[str, typer.Option("--only", metavar="NAME,NAME", help="Draw these states and controls only.")]
+Only = Annotated[str, typer.Option("--only", metavar="NAME,NAME", help="Draw these names only, with their costates.")]
 Errors = Annotated[bool, typer.Option("--error", help="Draw epsilon over time and eta of each segment.")]
 Meshes = Annotated[bool, typer.Option("--mesh", help="Draw the history of the meshes.")]
 NoBounds = Annotated[bool, typer.Option("--no-bounds", help="Leave the bounds out.")]

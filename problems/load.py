@@ -15,6 +15,7 @@ from .overrides import override
 from .places import Finding, Places
 from .repair import repair
 from .spec import Spec
+from .syntax import nearest
 from .yamltext import brief
 
 _UNSAFE = {
@@ -44,7 +45,7 @@ def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequ
     places = Places(file, document.lines, given)
     data.setdefault("name", Path(file).stem)
     early = _unsafe_options(data.get("solver"), places)
-    if not data.get("states") and not data.get("model"):
+    if not data.get("states") and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
     try:
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})

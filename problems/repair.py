@@ -75,6 +75,7 @@ def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:
         return True
     if isinstance(entry, dict) and "rate" in entry and entry.keys() & {"accel", "velocity"}:
         del entry["rate"]
+        entry.setdefault("accel", UNKNOWN)
         return True
     return False
 

@@ -294,8 +294,8 @@ class Spec(Entry):
     def _known_model(cls, value: str) -> str:
         if value and value not in MODELS:
             close = nearest(value, MODELS)
-            hint = f"did you mean {close}? " if close else ""
-            raise mistake(f'there is no model "{brief(value)}"', f"{hint}the models are {', '.join(MODELS)}")
+            remedy = f"did you mean {close}?" if close else f"the models are {', '.join(MODELS)}"
+            raise mistake(f'there is no model "{brief(value)}"', remedy)
         return value
 
     @property

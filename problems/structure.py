@@ -35,8 +35,7 @@ def _widths(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     path, meshes = ("nonsmooth", spec.nonsmooth.kind), len(spec.mesh)
     given = len(spec.nonsmooth.widths)
     if given not in (1, meshes):
-        entries = "is 1 entry" if meshes == 1 else f"are {meshes} entries"
-        what = f"there are {given} values here, and there {entries} in the mesh schedule"
+        what = f"there are {given} values for {_count(meshes, 'entry')} of the mesh schedule"
         yield Finding(path, what, "give one value, or one for each entry of mesh:")
     for i in range(given):
         if numbers.get((*path, i), 1.0) <= 0:
@@ -57,10 +56,10 @@ def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         yield from _no_residuals(spec, symbols)
     elif len(spec.residuals) != len(unknowns):
         listed = ", ".join(unknowns[:_SHOWN]) + (", ..." if len(unknowns) > _SHOWN else "")
-        variables = f"{len(unknowns)} algebraic variables" + (f" ({listed})" if unknowns else "")
-        what = f"there are {len(spec.residuals)} residuals for {variables}, among which count implicit rates"
-        yield Finding(("residuals",), what, "give as many residuals as algebraic variables")
-    else:
+        variables = _count(len(unknowns), "algebraic variable") + (f" ({listed})" if unknowns else "")
+        what = f"there must be as many residuals as algebraic variables, not {len(spec.residuals)} for {variables}"
+        yield Finding(("residuals",), what, "a state without rate: or accel: makes its rate an algebraic variable")
+    elif all(symbols.sound(("residuals", i, "expression"), r.expression) for i, r in enumerate(spec.residuals)):
         held = [_names(residual.expression, symbols) for residual in spec.residuals]
         for variable in symbols.algebraic:
             if not any(variable.name in names or UNKNOWN.text in names for names in held):
@@ -76,6 +75,11 @@ def _no_residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
             key = "accel" if state.velocity_of else "rate"
             remedy = f"add {key}: an expression, or residuals: with {rate_of(state.name)} in one of them"
             yield Finding(state.path, f"nothing determines how {state.name} changes: {key} is missing", remedy)
+
+
+def _count(number: int, noun: str) -> str:
+    many = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
+    return f"{number} {noun if number == 1 else many}"
 
 
 def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:

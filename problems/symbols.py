@@ -148,7 +148,7 @@ class Symbols:
             found = self._unknown(name.name, context)
         elif context == CONSTANT and kind not in ("parameter", "unknown"):
             found = (
-                f"{name.name} is a {kind}, but this value must be known before the solution is",
+                f"{name.name} is {_with_article(kind)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
         elif context == TRAJECTORY and name.end:
@@ -246,6 +246,10 @@ class Symbols:
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = self._constant(expression)
+
+
+def _with_article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeo' else 'a'} {kind}"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:

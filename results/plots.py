@@ -228,7 +228,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
     right.set_xlim(0.5, len(eta) + 0.5)
     right.set_ylim(bottom=0)
     right.yaxis.set_major_formatter(Numbers())
-    right.xaxis.set_major_locator(MaxNLocator(integer=True))
+    right.xaxis.set_major_locator(MaxNLocator(6, integer=True))
     right.set_xlabel("segment")
 
 
@@ -239,7 +239,7 @@ def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
         raise SpecError(Mistake("--only", "none of these names is a state", "give " + ", ".join(result.states[:30])))
     check_panels(result, 2 * len(states))
     with look():
-        figure, grid = Frame(bottom=0.55).figure([PANEL_HEIGHT] * len(states), 2, PANEL_WIDTH[2])
+        figure, grid = Frame(top=1.0, bottom=0.55).figure([PANEL_HEIGHT] * len(states), 2, PANEL_WIDTH[2])
         for row, state in enumerate(states):
             pair = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
             draw_error(pair, result, state)

@@ -172,12 +172,13 @@ def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], row
 def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     _scale(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
     group.attrs.update({
-        "method": record.step.method,
+        "method": record.mesh.schemes[0].name,
         "segments": record.mesh.segments,
-        "tolerance": record.step.tolerance,
+        "tolerance": record.tolerance,
         "status": record.status.name.lower(),
         "objective": record.objective,
         "max_eta": record.max_eta,
+        "relative_error": record.relative_error,
         "iterations": record.iterations,
         "unknowns": record.unknowns,
         "constraints": record.constraints,

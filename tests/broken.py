@@ -74,12 +74,20 @@ def write(case: Case, folder: Path) -> Path:
     return path
 
 
-def _edit(name: str, old: str, new: str, path: str, says: str, *, line: int | None = None) -> Case:
-    """The good file with `old` replaced; the mistake stands on the line of `old` unless another is given."""
-    assert GOOD.count(old) == 1, f"{old!r} must stand once in the good file"
-    line = line or GOOD[: GOOD.index(old)].count("\n") + 1
-    place = f":{line}: {path}" if path else f":{line}"
-    return Case(name, GOOD.replace(old, new).encode(), place, says)
+def _edits(text: str):
+    """A function that makes cases from a good file."""
+
+    def edit(name: str, old: str, new: str, path: str, says: str, *, line: int | None = None) -> Case:
+        """The file with `old` replaced; the mistake stands on the line where `old` begins unless another is given."""
+        assert text.count(old) == 1, f"{old!r} must stand once in the good file"
+        line = line or text[: text.index(old)].count("\n") + 1
+        place = f":{line}: {path}" if path else f":{line}"
+        return Case(name, text.replace(old, new).encode(), place, says)
+
+    return edit
+
+
+_edit = _edits(GOOD)
 
 
 def _rate(name: str, rate: str, says: str) -> Case:
@@ -334,7 +342,8 @@ OVERRIDES = [
 ]
 
 IMPLICIT = GOOD.replace("rate: (u - c*v)/m, ", "").replace(
-    "optimize:", "algebraic:\n  F: {unit: N}\nresiduals:\n  - m*v[rate] - F\n  - {name: force, expression: F - u + c*v}\noptimize:"
+    "optimize:",
+    "algebraic:\n  F: {unit: N}\nresiduals:\n  - m*v[rate] - F\n  - {name: force, expression: F - u + c*v}\noptimize:",
 )
 ACCEL = (
     GOOD.replace("rate: v,", "accel: (u - c*v)/m, velocity: {name: v, unit: m/s, final: 0},")
@@ -344,74 +353,203 @@ NONSMOOTH = GOOD.replace("integral: u**2", "integral: abs(u*v)").replace("guess:
 MODEL = (Path(__file__).parent.parent / "problems" / "biped.yaml").read_text()
 
 
-def _of(text: str, name: str, old: str, new: str, path: str, says: str) -> Case:
-    """Another good file with `old` replaced, the mistake on the line where `old` begins."""
-    assert text.count(old) == 1, f"{old!r} must stand once in the good file"
-    line = text[: text.index(old)].count("\n") + 1
-    return Case(name, text.replace(old, new).encode(), f":{line}: {path}", says)
-
+_accel, _implicit, _nonsmooth, _model = map(_edits, (ACCEL, IMPLICIT, NONSMOOTH, MODEL))
 
 DYNAMICS = [
-    _edit("rate and accel", "rate: v,", "rate: v, accel: u,", "states.x", "keep the rate, or state the dynamics by accel"),
+    _edit(
+        "rate and accel", "rate: v,", "rate: v, accel: u,", "states.x", "keep the rate, or state the dynamics by accel"
+    ),
     _edit("rate and velocity", "rate: v,", "rate: v, velocity: {},", "states.x", "rate and velocity are both given"),
-    _of(ACCEL, "a misspelt accel", "accel:", "acel:", "states.x.acel", "did you mean accel?"),
-    _of(ACCEL, "no accel", "accel: (u - c*v)/m, ", "", "states.x", "accel is missing; add accel: an expression, or residuals:"),
-    _of(ACCEL, "a velocity of a taken name", "{name: v,", "{name: u,", "states.x.velocity", "already declared"),
-    _of(ACCEL, "a velocity of no name", "{name: v,", "{name: 2v,", "states.x.velocity", "use a letter"),
-    _of(ACCEL, "crossed bounds of a velocity", "final: 0}", "lower: 1, upper: 0}", "states.x.velocity.lower", "is above"),
-    _of(ACCEL, "a velocity out of bounds", "final: 0}", "upper: 0, final: 1}", "states.x.velocity.final", "outside the bounds"),
-    _of(ACCEL, "a velocity that is a number", "{name: v, unit: m/s, final: 0}", "3", "states.x.velocity", "must be a mapping"),
-    _of(ACCEL, "an end in an accel", "(u - c*v)/m", "'u - v[final]'", "states.x.accel", "taken at every time"),
-    _of(IMPLICIT, "too few residuals", "  - m*v[rate] - F\n", "", "residuals", "there are 1 residuals for 2"),
-    _of(IMPLICIT, "too many residuals", "  - m*v[rate] - F\n", "  - F\n  - v[rate]\n", "residuals", "give as many"),
-    _of(IMPLICIT, "an algebraic variable in no residual", "expression: F - u", "expression: v[rate] - u", "", ""),
-    _of(IMPLICIT, "an implicit state in no residual", "m*v[rate] - F", "m*v - F", "", ""),
-    _of(IMPLICIT, "the rate of an explicit state", "m*v[rate] - F", "m*x[rate] - F", "residuals.0", "leave out rate: of x"),
-    _of(IMPLICIT, "the rate of a control", "m*v[rate] - F", "m*u[rate] - F", "residuals.0", "only a state without rate:"),
-    _of(IMPLICIT, "the acceleration of a state", "m*v[rate] - F", "v[accel]", "residuals.0", "write v[initial] or v[final]"),
-    _of(IMPLICIT, "a rate at the ends", "x[final] - x[initial]", "v[rate]", "constraints.boundary.0", "under expressions:"),
-    _of(IMPLICIT, "a residual without expression", "expression: F - u + c*v", "", "residuals.1.expression", "is missing"),
-    _of(IMPLICIT, "a residual that is a list", "- m*v[rate] - F", "- [1]", "residuals.0", "a number or an expression"),
-    _of(IMPLICIT, "residuals as a mapping", "residuals:\n", "residuals: {a: 1}\nno:\n", "residuals", "must be a list"),
-    _of(IMPLICIT, "two residuals of one name", "name: force", "name: speed limit", "residuals.1.name", "its own name"),
-    _of(IMPLICIT, "a rate of an algebraic variable", "{unit: N}\nres", "{rate: u}\nres", "algebraic.F.rate", "unknown key"),
-    _of(IMPLICIT, "an algebraic name twice", "  F: {unit: N}\n", "  F: {}\n  d: {}\n", "", ""),
-    _edit("algebraic without residuals", "optimize:", "algebraic: {F: {}}\noptimize:", "algebraic.F", "nothing determines F"),
+    _accel("a misspelt accel", "accel:", "acel:", "states.x.acel", "did you mean accel?"),
+    _accel(
+        "no accel",
+        "accel: (u - c*v)/m, ",
+        "",
+        "states.x",
+        "accel is missing; add accel: an expression, or residuals:",
+    ),
+    _accel("a velocity of a taken name", "{name: v,", "{name: u,", "states.x.velocity", "already declared"),
+    _accel("a velocity of no name", "{name: v,", "{name: 2v,", "states.x.velocity", "use a letter"),
+    _accel("crossed bounds of a velocity", "final: 0}", "lower: 1, upper: 0}", "states.x.velocity.lower", "is above"),
+    _accel(
+        "a velocity out of bounds",
+        "final: 0}",
+        "upper: 0, final: 1}",
+        "states.x.velocity.final",
+        "outside the bounds",
+    ),
+    _accel(
+        "a velocity that is a number",
+        "{name: v, unit: m/s, final: 0}",
+        "3",
+        "states.x.velocity",
+        "must be a mapping",
+    ),
+    _accel("an end in an accel", "(u - c*v)/m", "'u - v[final]'", "states.x.accel", "taken at every time"),
+    _implicit(
+        "too few residuals",
+        "  - m*v[rate] - F\n",
+        "",
+        "residuals",
+        "not 1 for 2 algebraic variables (F, v[rate])",
+        line=18,
+    ),
+    _implicit(
+        "too many residuals",
+        "  - m*v[rate] - F\n",
+        "  - F\n  - v[rate]\n",
+        "residuals",
+        "not 3 for 2",
+        line=18,
+    ),
+    _implicit(
+        "an algebraic variable in no residual",
+        "m*v[rate] - F\n  - {name: force, expression: F - u + c*v}",
+        "m*v[rate] - u\n  - v[rate]",
+        "algebraic.F",
+        "stands in no residual",
+        line=17,
+    ),
+    _implicit(
+        "an implicit state in no residual",
+        "m*v[rate] - F",
+        "m*v - F",
+        "states.v",
+        "use v[rate] in residuals:",
+        line=13,
+    ),
+    _implicit(
+        "the rate of an explicit state",
+        "m*v[rate] - F",
+        "m*x[rate] - F",
+        "residuals.0",
+        "leave out rate: of x",
+    ),
+    _implicit("the rate of a control", "m*v[rate] - F", "m*u[rate] - F", "residuals.0", "only a state without rate:"),
+    _implicit(
+        "the acceleration of a state",
+        "m*v[rate] - F",
+        "v[accel]",
+        "residuals.0",
+        "write v[initial] or v[final]",
+    ),
+    _implicit(
+        "a rate at the ends",
+        "x[final] - x[initial]",
+        "v[rate]",
+        "constraints.boundary.0",
+        "under expressions:",
+    ),
+    _implicit("a residual without expression", "expression: F - u + c*v", "", "residuals.1", "expression is missing"),
+    _implicit("a residual that is a list", "- m*v[rate] - F", "- [1]", "residuals.0", "a number or an expression"),
+    _implicit("residuals as a mapping", "residuals:\n", "residuals: {a: 1}\nno:\n", "residuals", "must be a list"),
+    _implicit("two residuals of one name", "name: force", "name: speed limit", "residuals.1.name", "its own name"),
+    _implicit(
+        "a rate of an algebraic variable",
+        "{unit: N}\nres",
+        "{rate: u}\nres",
+        "algebraic.F.rate",
+        "unknown key",
+    ),
+    _implicit(
+        "an algebraic name twice",
+        "  F: {unit: N}\n",
+        "  F: {}\n  d: {}\n",
+        "algebraic.d",
+        "already declared under parameters",
+        line=18,
+    ),
+    _edit(
+        "algebraic without residuals",
+        "optimize:",
+        "algebraic: {F: {}}\noptimize:",
+        "algebraic.F",
+        "nothing determines F",
+    ),
 ]
 
 MODELS = [
-    _of(MODEL, "an unknown model", "five_link_biped", "five_link_bipped", "model", "did you mean five_link_biped?"),
-    _of(MODEL, "a parameter of a model missing", "  m5: m1\n", "", "parameters", "the model five_link_biped needs the parameter m5"),
-    _of(MODEL, "a state that a model has not", "  q5: *angle\n", "  q6: *angle\n", "states.q6", "did you mean q5?"),
-    _of(MODEL, "a control that a model has not", "  u5: *motor\n", "  w: *motor\n", "controls.w", "has no w among its controls"),
-    _of(MODEL, "a rate beside a model", "q5: *angle", "q5: {rate: dq5}", "states.q5.rate", "remove rate:, or model:"),
-    _of(MODEL, "residuals beside a model", "objective:", "residuals: [q1]\nobjective:", "residuals", "remove residuals:"),
-    _of(MODEL, "an output as a name", "  u_max: {", "  foot_x: 1\n  u_max: {", "", ""),
-    _of(MODEL, "an unknown name beside a model", "u5**2", "uu5**2", "objective.minimize.integral", "did you mean u5?"),
-    _of(MODEL, "a guess that a model has not", "    dq5: (", "    dq6: (", "guess.constants.dq6", "did you mean dq5?"),
+    _model("an unknown model", "five_link_biped", "five_link_bipped", "model", "did you mean five_link_biped?"),
+    _model(
+        "a parameter of a model missing",
+        "  m5: m1\n",
+        "",
+        "parameters",
+        "needs the parameter m5, mass of the swing tibia",
+        line=10,
+    ),
+    _model("a state that a model has not", "  q5: *angle\n", "  q6: *angle\n", "states.q6", "its states are q1, q2"),
+    _model(
+        "a control that a model has not",
+        "  u5: *motor\n",
+        "  w: *motor\n",
+        "controls.w",
+        "has no w among its controls",
+    ),
+    _model("a rate beside a model", "q5: *angle", "q5: {rate: dq5}", "states.q5.rate", "remove rate:, or model:"),
+    _model(
+        "residuals beside a model",
+        "objective: {",
+        "residuals: [q1]\nobjective: {",
+        "residuals",
+        "remove residuals:",
+    ),
+    _model(
+        "an output as a name",
+        "  u_max: {",
+        "  foot_x: 1\n  u_max: {",
+        "parameters.foot_x",
+        "is an output of the model",
+    ),
+    _model("an unknown name beside a model", "u5**2", "uu5**2", "objective.minimize.integral", "did you mean u5?"),
+    _model("a guess that a model has not", "    dq5: (", "    dq6: (", "guess.constants.dq6", "did you mean dq5?"),
     _edit("a file without states or model", "states:", "states_:", "states_", "did you mean states?"),
 ]
 
 CONSISTENT = [
-    _of(NONSMOOTH, "a way that is none", "nonsmooth: slack", "nonsmooth: smooth", "nonsmooth", "write slack, {tanh: 0.01}"),
-    _of(NONSMOOTH, "tanh without a width", "nonsmooth: slack", "nonsmooth: tanh", "nonsmooth", "{tanh: 0.01}"),
-    _of(NONSMOOTH, "no way", "nonsmooth: slack", "nonsmooth: {}", "nonsmooth", "nothing is given here"),
-    _of(NONSMOOTH, "two ways", "nonsmooth: slack", "nonsmooth: {tanh: 1, sqrt: 1}", "nonsmooth", "keep one of them"),
-    _of(NONSMOOTH, "a misspelt way", "nonsmooth: slack", "nonsmooth: {tahn: 1}", "nonsmooth.tahn", "did you mean tanh?"),
-    _of(NONSMOOTH, "a width of zero", "nonsmooth: slack", "nonsmooth: {tanh: 0}", "nonsmooth.tanh", "write a positive number"),
-    _of(NONSMOOTH, "a negative width", "nonsmooth: slack", "nonsmooth: {sqrt: -d}", "nonsmooth.sqrt", "is -1"),
-    _of(NONSMOOTH, "a width that varies", "nonsmooth: slack", "nonsmooth: {sqrt: u}", "nonsmooth.sqrt", "must be known"),
-    _of(NONSMOOTH, "too many widths", "nonsmooth: slack", "nonsmooth: {tanh: [1, 0.1]}", "nonsmooth.tanh", "there are 2 values"),
-    _of(NONSMOOTH, "no widths", "nonsmooth: slack", "nonsmooth: {tanh: []}", "nonsmooth.tanh", "at least 1"),
-    _of(NONSMOOTH, "a list of ways", "nonsmooth: slack", "nonsmooth: [slack]", "nonsmooth", "must be a mapping"),
-    _of(NONSMOOTH, "no nonsmooth", "nonsmooth: slack\n", "", "", ""),
+    _nonsmooth(
+        "a way that is none",
+        "nonsmooth: slack",
+        "nonsmooth: smooth",
+        "nonsmooth",
+        "write slack, {tanh: 0.01}",
+    ),
+    _nonsmooth("tanh without a width", "nonsmooth: slack", "nonsmooth: tanh", "nonsmooth", "{tanh: 0.01}"),
+    _nonsmooth("no way", "nonsmooth: slack", "nonsmooth: {}", "nonsmooth", "nothing is given here"),
+    _nonsmooth("two ways", "nonsmooth: slack", "nonsmooth: {tanh: 1, sqrt: 1}", "nonsmooth", "keep one of them"),
+    _nonsmooth("a misspelt way", "nonsmooth: slack", "nonsmooth: {tahn: 1}", "nonsmooth.tahn", "did you mean tanh?"),
+    _nonsmooth(
+        "a width of zero",
+        "nonsmooth: slack",
+        "nonsmooth: {tanh: 0}",
+        "nonsmooth.tanh",
+        "write a positive number",
+    ),
+    _nonsmooth("a negative smoothing", "nonsmooth: slack", "nonsmooth: {sqrt: -d}", "nonsmooth.sqrt", "is -1"),
+    _nonsmooth("a width that varies", "nonsmooth: slack", "nonsmooth: {sqrt: u}", "nonsmooth.sqrt", "must be known"),
+    _nonsmooth(
+        "too many widths",
+        "nonsmooth: slack",
+        "nonsmooth: {tanh: [1, 0.1]}",
+        "nonsmooth.tanh",
+        "there are 2 values for 1 entry",
+    ),
+    _nonsmooth("no widths", "nonsmooth: slack", "nonsmooth: {tanh: []}", "nonsmooth.tanh", "at least 1"),
+    _nonsmooth("a list of ways", "nonsmooth: slack", "nonsmooth: [slack]", "nonsmooth", "must be a mapping"),
+    _nonsmooth("no nonsmooth", "nonsmooth: slack\n", "", "objective.minimize.integral", "section 5.5", line=18),
     _rate("abs of two", "abs(u, v)", "abs takes one argument"),
     _rate("min of one", "min(u)", "2 to 20 arguments"),
     _rate("min of many", "min(" + "u, " * 50 + "v)", "2 to 20 arguments"),
     _rate("a trailing comma", "max(u, )", "a value is missing"),
-    _rate("abs without parentheses", "abs u", "write abs(u)"),
+    _rate("abs and no parentheses", "abs u", "write abs(u)"),
     _rate("abs in an expression of constants", "u*abs(v)*abs(m)", "nonsmooth: slack"),
-    _edit("abs at an end", '"x[final] - x[initial]"', '"abs(x[final])"', "constraints.boundary.0.expression", "section 5.5"),
+    _edit(
+        "abs at an end",
+        '"x[final] - x[initial]"',
+        '"abs(x[final])"',
+        "constraints.boundary.0.expression",
+        "section 5.5",
+    ),
     _edit("abs in a named expression", "power: u*v", "power: abs(u*v)", "expressions.power", "section 5.5"),
 ]
 
@@ -419,7 +557,13 @@ SOLVERS = [
     _edit("another engine", "solver: {", "solver: {engine: snopt, ", "solver.engine", "'ipopt' or 'newton'"),
     _edit("a library", "max_iter: 100", "hsllib: ./evil.so", "solver.hsllib", "--set solver.hsllib=..."),
     _edit("a library in capitals", "max_iter: 100", "HSLlib: ./evil.so", "solver.HSLlib", "data, never code"),
-    _edit("a library behind a prefix", "max_iter: 100", "resto.pardisolib: a.so", "solver.resto.pardisolib", "load a library"),
+    _edit(
+        "a library behind a prefix",
+        "max_iter: 100",
+        "resto.pardisolib: a.so",
+        "solver.resto.pardisolib",
+        "load a library",
+    ),
     _edit("an option file", "max_iter: 100", "option_file_name: a.opt", "solver.option_file_name", "another file"),
     _edit("an output file", "max_iter: 100", "output_file: a.txt", "solver.output_file", "write a file"),
 ]

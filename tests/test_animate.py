@@ -43,7 +43,7 @@ def solved(tmp_path_factory):
             made[name] = folder / f"{name}.h5"
             small = ["--set", DRAWN[name][1]] if name in DRAWN else []
             run = CliRunner().invoke(trajopt, ["solve", name, *small, "-q", "-o", str(made[name])])
-            assert run.exit_code == 0, run.output
+            assert run.exit_code == 0, repr(run.exception)
         return made[name]
 
     return solve

@@ -34,9 +34,9 @@ JUMP = 0.25  # of a control's range within one segment: a discontinuity, if the 
 
 @dataclass(frozen=True)
 class Refinement:
-    """The next mesh, or None where every segment meets the tolerance; how many segments do not."""
+    """The next mesh (the same one where every segment meets the tolerance), and how many segments do not."""
 
-    mesh: Mesh | None
+    mesh: Mesh
     above: int
     max_error: float
 
@@ -52,7 +52,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float) -> Ref
     mesh, errors = trajectory.mesh, relative_error(trajectory, error)
     above = np.flatnonzero(~(errors <= tolerance))
     if not len(above):
-        return Refinement(None, 0, float(errors.max()))
+        return Refinement(mesh, 0, float(errors.max()))
     pieces = []
     for s in range(mesh.segments):
         if errors[s] <= tolerance:
@@ -85,7 +85,7 @@ def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
     method = METHODS[scheme.name]
     if method.nodes is None or not np.isfinite(ratio):
         return None
-    degree = scheme.degree
+    degree = len(scheme.c) - (method.ends == "both")
     more = int(np.ceil(np.log(ratio) / np.log(max(degree, MIN_DEGREE))))
     wanted = degree + max(more, 1)
     return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import count
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from .diagnose import Violation, diagnose
 from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
+from .refine import refine, relative_error
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
@@ -52,13 +54,14 @@ def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
 
 @dataclass(frozen=True)
 class MeshRecord:
-    """How the solve on one mesh of the schedule went; objective as the user wrote it, seconds by part."""
+    """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part."""
 
-    step: Step
     mesh: Mesh
+    tolerance: float
     status: Status
     objective: float
     max_eta: float
+    relative_error: float
     iterations: int
     unknowns: int
     constraints: int
@@ -67,7 +70,10 @@ class MeshRecord:
 
 @dataclass(frozen=True)
 class Solution:
-    """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes."""
+    """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.
+
+    above: the number of segments that refinement left above its tolerance.
+    """
 
     problem: Problem
     status: Status
@@ -79,6 +85,7 @@ class Solution:
     violations: tuple[Violation, ...] = ()
     trouble: str = ""
     accept: Status = Status.SOLVED
+    above: int = 0
 
     @property
     def solved(self) -> bool:
@@ -94,12 +101,22 @@ ENGINES = ("ipopt", "newton")
 
 
 @dataclass(frozen=True)
+class Refine:
+    """Refine the mesh until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
+
+    tolerance: float = 1e-6
+    max_meshes: int = 10
+
+
+@dataclass(frozen=True)
 class Settings:
-    """How to solve: the engine, its options, and whether IPOPT's looser tolerance counts as solved (ACCEPTABLE)."""
+    """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and whether
+    meshes are refined after the schedule."""
 
     options: Mapping[str, object] = field(default_factory=dict)
     engine: str = "ipopt"
     accept: Status = Status.SOLVED
+    refine: Refine | None = None
 
     def run(self) -> Callable[..., Outcome]:
         """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
@@ -128,28 +145,37 @@ def solve(
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     history, solved = [], None
-    for number, (problem, step) in enumerate(zip(problems, schedule, strict=True)):
+    steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
+    for number in count():
+        problem, meshes, tolerance = steps[number]
         report = partial(progress, number) if progress else None
-        solution, solved = _solve_mesh(problem, step, settings, guess, solved, progress=report, stop=stop)
+        solution, solved = _solve_mesh(problem, meshes, tolerance, settings, guess, solved, progress=report, stop=stop)
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
-        guess = solution.trajectories
-    return replace(solution, meshes=tuple(history), accept=settings.accept)
+        guess, above = solution.trajectories, 0
+        if number + 1 >= len(schedule) and settings.refine:
+            refined = list(map(partial(refine, tolerance=settings.refine.tolerance), solution.trajectories, solution.errors))
+            above = sum(refinement.above for refinement in refined)
+            if above and number + 1 < len(schedule) + settings.refine.max_meshes:
+                steps.append((problem, [refinement.mesh for refinement in refined], tolerance))
+        if number + 1 == len(steps):
+            break
+    return replace(solution, meshes=tuple(history), accept=settings.accept, above=above)
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
 def _solve_mesh(
-    problem: Problem, step: Step, settings: Settings, guess, solved: Solved | None, **callbacks
+    problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, guess, solved: Solved | None, **callbacks
 ) -> tuple[Solution, Solved]:
     began = time.perf_counter()
-    transcription = transcribe(problem, [step.mesh() for _ in problem.phases], guess)
+    transcription = transcribe(problem, meshes, guess)
     built = time.perf_counter()
     nlp = CompiledNLP(transcription.model, transcription.variables)
     compiled = time.perf_counter()
     z, lower, upper = bounded_start(transcription)
     start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
-    options = {"tol": step.tolerance, **settings.options}
+    options = {"tol": tolerance, **settings.options}
     outcome = settings.run()(nlp, z, lower, upper, options, start=start, **callbacks)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
@@ -170,7 +196,7 @@ def _solve_mesh(
         "linear algebra": ended - compiled - nlp.seconds["evaluate"],
         "error": time.perf_counter() - ended,
     }
-    solution = replace(solution, meshes=(_record(step, solution, nlp, seconds),))
+    solution = replace(solution, meshes=(_record(tolerance, solution, nlp, seconds),))
     return solution, Solved(transcription, nlp, outcome, phases)
 
 
@@ -181,13 +207,14 @@ def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray,
     return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
 
 
-def _record(step: Step, solution: Solution, nlp: CompiledNLP, seconds: Mapping[str, float]) -> MeshRecord:
+def _record(tolerance: float, solution: Solution, nlp: CompiledNLP, seconds: Mapping[str, float]) -> MeshRecord:
     return MeshRecord(
-        step=step,
         mesh=solution.trajectories[0].mesh,
+        tolerance=tolerance,
         status=solution.status,
         objective=solution.objective,
         max_eta=solution.max_eta,
+        relative_error=max(float(relative_error(t, e).max()) for t, e in zip(solution.trajectories, solution.errors, strict=True)),
         iterations=max(len(solution.outcome.iterations["iteration"]) - 1, 0),
         unknowns=nlp.n,
         constraints=nlp.m,

@@ -69,13 +69,22 @@ def _family(family: Family, old: Solved, transcription: Transcription) -> np.nda
 
 
 def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarray:
-    """mu of one state and one row (or several), for every segment: mu R = -b lambda, in the least-squares sense."""
+    """mu of one state and one row (or several), for every segment, in the least-squares sense:
+
+    mu R = -b lambda at the collocation nodes; and, where an end of the segment is none, so that its state stands in the
+    left sides only, mu L = -lambda at the end and mu L = lambda at the start.
+    """
     group = layout.mesh.groups[family.group]
     scheme, state = group.scheme, [s.name for s in layout.phase.states].index(family.name)
-    times = layout.mesh.fractions[group.collocated]
+    times = layout.mesh.fractions[group.nodes]
     costate = trajectory.at(times.ravel()).costate[state].reshape(times.shape)
+    matrix, target = [scheme.R], [-scheme.b * costate[:, scheme.collocated]]
+    for node, sign in ((0, 1.0), (len(scheme.sigma) - 1, -1.0)):
+        if node not in scheme.collocated:
+            matrix.append(scheme.L[:, [node]])
+            target.append(sign * costate[:, [node]])
     rows = list(scheme.rows)
-    mu = -(scheme.b * costate) @ np.linalg.pinv(scheme.R[rows])
+    mu = np.hstack(target) @ np.linalg.pinv(np.hstack(matrix)[rows])
     wanted = [family.row] if isinstance(family.row, int) else family.row
     return mu[:, [rows.index(r) for r in wanted]].ravel()
 
@@ -87,9 +96,11 @@ def _bounds(layout: Layout, before: Layout, new: np.ndarray, values: np.ndarray)
             new[place] = values[old]
     for places, olds in ((layout.x, before.x), (layout.u, before.u)):
         for place, old in zip(places, olds, strict=True):
-            known, wanted = np.flatnonzero(old >= 0), np.flatnonzero(place >= 0)
+            known = np.flatnonzero((old >= 0) & (before.mesh.weights > 0))  # elsewhere there is no density
+            wanted = np.flatnonzero(place >= 0)
             density = values[old[known]] / before.mesh.weights[known]
             at = np.interp(layout.mesh.fractions[wanted], before.mesh.fractions[known], density)
             new[place[wanted]] = at * layout.mesh.weights[wanted]
             for end in (0, -1):  # the bounds of an initial or final value act once, not over time
-                new[place[wanted[end]]] = values[old[known[end]]]
+                if place[end] >= 0 and old[end] >= 0:
+                    new[place[end]] = values[old[end]]
