@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from . import files, inspect, verify
+from . import files, inspect, plot, verify
+from .compare import compare
 from .solve import solve
 
 app = typer.Typer(
@@ -21,7 +22,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, files.check, inspect.show, verify.verify,
+    solve, files.check, inspect.show, verify.verify, compare, plot.plot, plot.animate,
     inspect.list_, inspect.methods, inspect.schema, files.export, files.init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)

@@ -272,7 +272,7 @@ def draw_meshes(ax: Axes, result: Result) -> None:
 def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: bool = False) -> None:
     """One number for each mesh, over the number of the mesh."""
     ax.plot(range(1, len(values) + 1), values, "o-", color=VERMILION, markersize=4)
-    if logarithmic and np.greater(values, 0).all():
+    if logarithmic and max(values) > 5 * min(values) > 0:
         ax.set_yscale("log")
     else:
         ax.yaxis.set_major_formatter(Numbers())

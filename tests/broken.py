@@ -8,7 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-METHODS = ("trapezoid", "hermite-simpson", "hermite-simpson-compressed", "finite-difference")
+from trajopt.transcription import schemes
+
+METHODS = tuple(schemes.METHODS)
 
 GOOD = """\
 trajopt: 1

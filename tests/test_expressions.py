@@ -2,6 +2,7 @@
 
 import math
 import random
+import re
 
 import numpy as np
 import pyomo.core
@@ -68,6 +69,25 @@ def test_whole_exponents_stay_whole():
         assert isinstance(exponent, int)
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("abs(y)", 0.3), ("min(x, y, 0.1)", -0.3), ("max(x, min(q1, u_max))", 1.9), ("-abs(-x)**2", -0.49)],
+)
+def test_abs_min_and_max_are_read(text, value):
+    """Their values are exact as they stand; nonsmooth.py replaces them before they reach a solver."""
+    assert parse(text)(NAMES, np) == pytest.approx(value)
+    arrays = {name: np.array([value, -value]) for name, value in NAMES.items()}
+    assert parse(text)(arrays, np)[0] == pytest.approx(value)
+    assert parse(text).names == set(re.findall(r"x|y|q1|u_max", text.replace("max(", "(")))
+
+
+def test_the_rate_of_a_state_is_a_name():
+    expression = parse("m*v[rate] - u + v[initial]")
+    assert expression.names == {"m", "v[rate]", "u", "v[initial]"}
+    assert parse("2*v[rate]")({"v[rate]": 3.0}, np) == 6
+    assert parse("a[final]").bind({}, {"a": parse("2*v[rate]")})({"v[rate][final]": 3.0}, np) == 6
+
+
 def test_line_breaks_and_spaces_do_not_matter():
     assert parse("x +\n   y\t* q1 ").text == "x + y * q1"
 
@@ -104,6 +124,8 @@ PIECES = [
     "if",
     "'a'",
     "abs",
+    "min",
+    "[rate]",
     "~",
     ":",
     "@",

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from trajopt.problems import yamltext
+from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import Mistake, SpecError
 from trajopt.problems.load import load, load_text
 
@@ -127,6 +128,65 @@ def test_solver_options():
 def test_warnings(old, new, place, says):
     (warning,) = (w for w in good(text=broken.GOOD.replace(old, new)).warnings if "T is used" not in w.what)
     assert warning.where == f"good.yaml:{place}" and says in str(warning)
+
+
+def test_warnings_of_dynamics_and_slack():
+    algebraic = "algebraic: {F: {}, G: {}}\nresiduals: [F - u + G, u - 2*v]\noptimize:"
+    spec = good(text=broken.GOOD.replace("optimize:", algebraic).replace("(u - c*v)/m", "(F - c*v)/m"))
+    assert [w.where for w in spec.warnings] == ["good.yaml:17: residuals.1"]
+    assert "restricts the states" in spec.warnings[0].what
+    spec = good(text=broken.GOOD.replace("(u - c*v)/m", "(u - c*abs(v))/m") + "nonsmooth: slack\n")
+    assert [w.where for w in spec.warnings] == ["good.yaml:13: states.v.rate"]
+    assert '"abs(v)" in "(u - c*abs(v))/m" stands where slack' in spec.warnings[0].what
+
+
+@pytest.mark.parametrize("option", ["hsllib=a.so", "output_file=a.txt", "option_file_name=a.opt", "pardisolib=a.so"])
+def test_the_command_line_may_load_code_and_write_files(option):
+    name, _, value = option.partition("=")
+    assert good(f"solver.{option}").solver.options[name] == value
+    assert good(f"solver={{{name}: {value}}}").solver.options == {name: value}
+    assert good(f"solver.{option}", text=broken.GOOD.replace("solver: {max_iter: 100}\n", "")).solver.options[name]
+
+
+def test_the_command_line_does_not_excuse_the_file():
+    with pytest.raises(SpecError, match=r"solver\.hsllib"):
+        good("solver.max_iter=5", text=broken.GOOD.replace("max_iter: 100", "hsllib: a.so"))
+
+
+def test_engines():
+    assert good().solver.engine == "ipopt"
+    spec = good("solver={engine: newton, line_search: yes}")
+    assert spec.solver.engine == "newton" and spec.solver.options == {"line_search": "yes"}
+
+
+@pytest.mark.parametrize(
+    ("override", "kind", "widths"),
+    [
+        ("nonsmooth=slack", "slack", []),
+        ("nonsmooth={tanh: 0.5}", "tanh", ["0.5"]),
+        ("nonsmooth.sqrt=d/10", "sqrt", ["d/10"]),
+        ("nonsmooth={sqrt: [0.1]}", "sqrt", ["0.1"]),
+    ],
+)
+def test_ways_to_treat_abs(override, kind, widths):
+    spec = good(override)
+    assert (spec.nonsmooth.kind, [w.text for w in spec.nonsmooth.widths]) == (kind, widths)
+    assert good().nonsmooth is None
+
+
+def test_overrides_of_a_model_need_not_stand_in_the_file():
+    path = shipped()["biped"]
+    assert load(path, ["states.q3=", "states.q3.upper=1"]).states["q3"].upper.text == "1"
+    with pytest.raises(SpecError, match="has no q9 among its states"):
+        load(path, ["states.q9.upper=1"])
+
+
+def test_overrides_of_residuals():
+    implicit = broken.IMPLICIT
+    for override in ("residuals.0=m*v[rate] - 2*F", "residuals.0.expression=m*v[rate] - 2*F"):
+        assert good(override, text=implicit).residuals[0].expression.text == "m*v[rate] - 2*F"
+    assert good("residuals.1.expression=F - u", text=implicit).residuals[1].name == "force"
+    assert good("algebraic.F.upper=3", text=implicit).algebraic["F"].upper.text == "3"
 
 
 def test_later_mistakes_are_placed_in_the_file():

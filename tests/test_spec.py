@@ -1,7 +1,9 @@
 """The shipped problems, the JSON Schema, and what becomes of a file: numbers, ranges, functions, guesses."""
 
 import json
+import re
 from math import inf, pi
+from pathlib import Path
 
 import broken
 import numpy as np
@@ -59,6 +61,18 @@ def test_json_schema_refuses_what_the_loader_refuses():
             jsonschema.validate(bad, schema(broken.METHODS))
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({key: value for key, value in good.items() if key != "states"}, schema())
+
+
+def test_the_example_of_the_docs_is_right():
+    docs = (Path(__file__).parent.parent / "docs" / "problem_file.md").read_text()
+    (example,) = re.findall(r"```yaml\n(.*?)```", docs, re.DOTALL)
+    rest = "{trajopt: 1, time: {initial: 0, final: 1}, parameters: {m: 1, k: 1}, controls: {u: {}}, "
+    rest += "objective: {minimize: {integral: u**2}}, mesh: [{method: any, segments: 1}], "
+    data = yaml.safe_load(rest + "name: docs}") | yaml.safe_load(example)
+    spec = load_text(json.dumps(data), "docs.yaml")
+    (phase,) = build(spec).phases
+    assert [state.name for state in phase.states] == ["q", "v", "p", "r", "w", "s"] and not spec.warnings
+    assert [z.name for z in phase.algebraic] == ["F", "v[rate]", "s[rate]"] and len(phase.residuals) == 3
 
 
 def test_every_field_is_described():

@@ -15,6 +15,7 @@ from ..problems.errors import Mistake
 from .compiler import CompiledNLP
 from .family import NotFinite
 from .outcome import Outcome, Status
+from .scaling import Scaling
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when cyipopt loads its BLAS: more threads only slow MUMPS
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -28,6 +29,8 @@ DEFAULTS = {
     "mumps_pivot_order": 6,
     "min_refinement_steps": 0,
 }
+
+USER_SCALING = {"nlp_scaling_method": "user-scaling"}
 
 COLUMNS = (
     "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",
@@ -69,17 +72,20 @@ def solve(
     start: Start | None = None,
     progress: Callable[[dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    scaling: Scaling | None = None,
 ) -> Outcome:
     """Minimise the compiled program from z, shape (n,), between lower and upper, shape (n,).
 
     options: any of IPOPT's, over DEFAULTS. progress: called with each iteration's record. stop: asked at each
-    iteration; true ends the solve with status INTERRUPTED and the last iterate. Raises ValueError for an option that
+    iteration; true ends the solve with status INTERRUPTED and the last iterate. scaling: in place of IPOPT's own. Raises ValueError for an option that
     `check_options` would refuse.
     """
     cyipopt = _cyipopt()
     callbacks = _Callbacks(nlp, progress, stop)
     problem = cyipopt.Problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
-    chosen = {**DEFAULTS, **(WARM if start else {}), **(options or {})}
+    chosen = {**DEFAULTS, **(WARM if start else {}), **(USER_SCALING if scaling else {}), **(options or {})}
+    if scaling:
+        problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
     for name, value in chosen.items():
         if not _accepts(problem, name, value):
             raise ValueError(f"IPOPT does not take {name} = {value!r}")

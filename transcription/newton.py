@@ -37,10 +37,12 @@ def solve(
     start=None,
     progress: Callable[[dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    scaling=None,
 ) -> Outcome:
     """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve`.
 
     options: tol, max_iter, and line_search (yes or no: halve a step until the KKT residual shrinks).
+    Newton's steps do not depend on scaling, so none is applied.
     Raises SpecError for another option, for an inequality constraint, and for a bound that does not fix its variable.
     """
     chosen = {**DEFAULTS, **(options or {})}

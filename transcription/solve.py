@@ -21,6 +21,7 @@ from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
 from .refine import refine, relative_error
+from .scaling import scale
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
@@ -111,12 +112,15 @@ class Refine:
 @dataclass(frozen=True)
 class Settings:
     """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and whether
-    meshes are refined after the schedule."""
+    meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic scaling
+    should not choose itself.
+    """
 
     options: Mapping[str, object] = field(default_factory=dict)
     engine: str = "ipopt"
     accept: Status = Status.SOLVED
     refine: Refine | None = None
+    scaling: Mapping[str, float] | None = None
 
     def run(self) -> Callable[..., Outcome]:
         """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
@@ -176,7 +180,8 @@ def _solve_mesh(
     z, lower, upper = bounded_start(transcription)
     start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
     options = {"tol": tolerance, **settings.options}
-    outcome = settings.run()(nlp, z, lower, upper, options, start=start, **callbacks)
+    scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
+    outcome = settings.run()(nlp, z, lower, upper, options, start=start, scaling=scaling, **callbacks)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
     if all(isinstance(scheme, Scheme) for phase in phases for scheme in phase.mesh.schemes):

@@ -1,0 +1,94 @@
+"""Automatic scaling of the nonlinear program: one rule.
+
+    variable     divided by its typical size: half the distance of its bounds where both are given, else the largest magnitude
+                 along the guess, else 1; one size for a state or control at all times, so that a trajectory keeps its shape
+    defect       divided by the size of its state, so that a defect of 1e-8 means the same relative error everywhere
+    constraint   divided by the largest entry of its Jacobian row in scaled variables, where that exceeds 1
+    objective    divided by the largest entry of its gradient in scaled variables, where that exceeds 100
+
+Sizes are kept within 1e-4 and 1e4. A file may give the size of any variable itself. IPOPT unscales its results, so that
+objective, multipliers and costates are those of the problem as stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..problems.problem import Range, Variable
+from .compiler import CompiledNLP
+from .family import NotFinite
+from .transcribe import Transcription
+
+SIZES = (1e-4, 1e4)
+LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Factors that IPOPT multiplies with: objective, z (n,), g (m,); and the sizes they come from, by name."""
+
+    objective: float
+    z: np.ndarray
+    g: np.ndarray
+    sizes: Mapping[str, float]
+
+
+def scale(transcription: Transcription, nlp: CompiledNLP, z: np.ndarray, given: Mapping[str, float]) -> Scaling:
+    """The scaling at the initial values z, shape (n,); `given` are sizes from the problem file."""
+    sizes = _sizes(transcription, z) | dict(given)
+    factors = np.ones(nlp.n)
+    for layout in transcription.phases:
+        for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
+            for variable, places in zip(variables, rows, strict=True):
+                factors[places[places >= 0]] = 1 / sizes[variable.name]
+    for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
+        factors[place] = 1 / sizes[parameter.name]
+    return Scaling(_objective(nlp, z, factors), factors, _rows(transcription, nlp, z, factors, sizes), sizes)
+
+
+def _sizes(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
+    sizes = {}
+    for layout in transcription.phases:
+        for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
+            for variable, places in zip(variables, rows, strict=True):
+                sizes[variable.name] = _size(variable, z[places[places >= 0]])
+    for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
+        sizes[parameter.name] = _size(parameter, z[[place]])
+    return sizes
+
+
+def _size(variable: Variable, values: np.ndarray) -> float:
+    bounds: Range = variable.bounds
+    if np.isfinite(bounds.lower) and np.isfinite(bounds.upper) and bounds.upper > bounds.lower:
+        size = (bounds.upper - bounds.lower) / 2
+    else:
+        size = float(np.abs(values).max(initial=0.0)) or 1.0
+    return float(np.clip(size, *SIZES))
+
+
+def _rows(transcription: Transcription, nlp: CompiledNLP, z, factors: np.ndarray, sizes: Mapping[str, float]) -> np.ndarray:
+    g = np.ones(nlp.m)
+    largest = np.zeros(nlp.m)
+    try:
+        rows, cols = nlp.jacobianstructure()
+        np.maximum.at(largest, rows, np.abs(nlp.jacobian(z)) / factors[cols])
+    except NotFinite:
+        largest[:] = 1.0
+    for family in transcription.families:
+        rows = nlp.rows(family.component)
+        if family.kind in ("defect", "bound"):
+            g[rows] = 1 / sizes[family.name]
+        else:
+            g[rows] = 1 / np.clip(largest[rows].max(initial=1.0), 1.0, SIZES[1])
+    return g
+
+
+def _objective(nlp: CompiledNLP, z: np.ndarray, factors: np.ndarray) -> float:
+    try:
+        largest = float((np.abs(nlp.gradient(z)) / factors).max(initial=0.0))
+    except NotFinite:
+        return 1.0
+    return LARGE_GRADIENT / largest if largest > LARGE_GRADIENT else 1.0
