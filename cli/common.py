@@ -18,7 +18,7 @@ from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
 
 
-SHORT_FORMS = {"mesh.*.method": "--method", "mesh.-1.segments": "--segments", "mesh.-1.tolerance": "--tol"}
+SHORT_FORMS = {"mesh.*.method": "--method", "mesh.-1.segments": "--segments", "mesh.-1.tolerance": "--tol", "refine.tolerance": "--refine"}
 """Options that stand for an override, by its path; messages name the option."""
 
 
@@ -104,7 +104,7 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     for name in files:
         try:
             spec = load(find(name), overrides, tuple(METHODS))
-            mistakes += spec.locate(_check_options(spec.solver.options))
+            mistakes += spec.locate([*_check_options(spec.solver), *_check_meshes(spec.mesh)])
             specs.append(spec)
         except SpecError as error:
             mistakes += error.mistakes
@@ -113,9 +113,27 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     return specs
 
 
-def _check_options(options) -> list[Mistake]:
+def _check_meshes(schedule) -> list[Mistake]:
+    """What only the methods know: the degrees and forms they have."""
+    from ..transcription.solve import steps
+
+    mistakes = []
+    for number, step in enumerate(steps(schedule)):
+        try:
+            step.mesh()
+        except SpecError as error:
+            mistakes += [replace(mistake, where=f"mesh.{number}.degree") for mistake in error.mistakes]
+    return mistakes
+
+
+def _check_options(solver) -> list[Mistake]:
+    options = solver.options
     if not options:
         return []
+    if solver.engine == "newton":
+        from ..transcription.newton import check_options
+
+        return check_options(options)
     from ..transcription.ipopt import check_options
 
     with open(os.devnull, "w") as nowhere, native_output(nowhere.fileno()):  # IPOPT complains too, less clearly

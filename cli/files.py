@@ -42,7 +42,7 @@ def export(
     The suffix of OUT chooses the format: .nl (AMPL, with the names in .row and .col), .gms (GAMS) or .tex (LaTeX). The
     program is that of the last mesh.
     """
-    (spec,) = load_all([file], overrides(set_, method, segments, None))
+    (spec,) = load_all([file], overrides(set_, method, segments, None, None))
 
     from ..problems.build import build
     from ..transcription.export import export as write

@@ -33,6 +33,9 @@ Segments = Annotated[
     int, typer.Option("--segments", metavar="N", min=1, show_default=False, help="Number of segments of the last mesh.")
 ]
 Tolerance = Annotated[float, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
+RefineTo = Annotated[
+    float, typer.Option("--refine", metavar="TOLERANCE", help="Refine the mesh to this relative error.", show_default=False)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
@@ -49,6 +52,7 @@ def solve(
     method: Method = None,
     segments: Segments = None,
     tol: Tolerance = None,
+    refine: RefineTo = None,
     guess: GuessFile = None,
     json_: Json = False,
     quiet: Quiet = False,
@@ -62,7 +66,7 @@ def solve(
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved.
     """
-    specs = load_all(files, overrides(set_, method, segments, tol))
+    specs = load_all(files, overrides(set_, method, segments, tol, refine))
     jobs = _jobs(specs, _targets(specs, output), guess, force)
     if not quiet:
         for warning in dict.fromkeys(warning for spec in specs for warning in spec.warnings):
@@ -79,16 +83,16 @@ def solve(
     raise typer.Exit(code)
 
 
-def overrides(set_, method: str | None, segments: int | None, tol: float | None) -> list[str]:
-    """The short forms as overrides of the mesh schedule, after those of --set."""
-    values = (method, segments, tol)
+def overrides(set_, method: str | None, segments: int | None, tol: float | None, refine: float | None) -> list[str]:
+    """The short forms as overrides, after those of --set."""
+    values = (method, segments, tol, refine)
     return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]
 
 
 @dataclass(frozen=True)
 class _Job:
     spec: Spec
-    problem: Problem
+    problems: list[Problem]
     target: Path
     guess: list[Guess] | None
 
@@ -109,32 +113,29 @@ def _targets(specs: list[Spec], output: str | None) -> list[Path]:
 
 def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
     """All that can go wrong with the files goes wrong here, before the first problem is solved."""
-    from ..problems.build import build
+    from ..problems.build import build_all
     from ..results.restart import guess_from
     from ..results.store import check_target
 
     jobs = []
     for spec, target in zip(specs, targets, strict=True):
         check_target(target, spec.name, force)
-        problem = build(spec)
-        jobs.append(_Job(spec, problem, target, guess_from(guess, problem) if guess else None))
+        problems = build_all(spec)
+        jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None))
     return jobs
 
 
 def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
     """Solve and write the result."""
     from ..results.store import write
-    from ..transcription.outcome import Status
-    from ..transcription.solve import Settings, steps
+    from ..transcription.solve import settings_of, steps
     from ..transcription.solve import solve as run
     from .progress import live_line, print_iteration
 
-    spec, schedule = job.spec, steps(job.spec.mesh)
-    accept = Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED
-    settings = Settings(spec.solver.options, accept=accept)
+    spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
     with native_output(2), live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        solution = run(job.problem, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
+        solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
     write(job.target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
     return solution
 

@@ -21,6 +21,7 @@ from .expressions import Expression, parse
 from .syntax import ExpressionError
 from .yamltext import kind, scalar
 
+MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
 
@@ -98,6 +99,35 @@ Widths = Annotated[
     Field(min_length=1),
     BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
     WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
+]
+def _degree(value: Any) -> int | tuple[int, ...]:
+    if isinstance(value, list):
+        return tuple(_degree(item) for item in value)
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_DEGREE:
+        raise mistake(f"the degree is {kind(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them")
+    return int(value)
+
+
+def _scaling(value: Any) -> str | dict[str, float]:
+    if isinstance(value, dict) and value:
+        sizes = {str(name): _number(size) for name, size in value.items()}
+        if min(sizes.values()) <= 0:
+            raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
+        return sizes
+    if value not in ("none", "auto"):
+        raise mistake(f"this must be none, auto, or sizes by name, not {kind(value)}", "write for example auto")
+    return value
+
+
+Degree = Annotated[
+    Any,
+    PlainValidator(_degree),
+    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": {"type": "integer"}}]}),
+]
+Scaling = Annotated[
+    Any,
+    PlainValidator(_scaling),
+    WithJsonSchema({"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}),
 ]
 Segments = Annotated[
     Any,

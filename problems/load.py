@@ -14,6 +14,7 @@ from .errors import FileError, Mistake, SpecError
 from .overrides import override
 from .places import Finding, Places
 from .repair import repair
+from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS
 from .spec import Spec
 from .syntax import nearest
 from .yamltext import brief
@@ -41,6 +42,10 @@ def load(source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = (
 def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
     """As `load`, from a text; `file` is the name used in messages."""
     document = yamltext.read(text, file)
+    if document.data.get("mesh") is None:  # so that an override finds it; without a mesh, refinement is on
+        document.data["mesh"] = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
+        if document.data.get("refine") is None:
+            document.data["refine"] = {}
     data, given = override(document, overrides)
     places = Places(file, document.lines, given)
     data.setdefault("name", Path(file).stem)

@@ -22,14 +22,14 @@ from pydantic import (
 from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, Parameter, Residual, State, Static, Time
 from .errors import Mistake
 from .expressions import Expression
-from .fields import MAX_SEGMENTS, Entry, Formula, Number, Option, Segments, Text, Widths, mistake
+from .fields import Entry, Formula, Scaling, Text, Widths, mistake
 from .models import MODELS
 from .places import Finding, Places
+from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, Mesh, Reference, Refine, Solver
 from .stand_ins import SLACK, SQRT, TANH
 from .syntax import nearest
 from .yamltext import brief, kind
 
-MAX_MESHES = 100
 MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
 
@@ -175,57 +175,6 @@ class Nonsmooth(Entry):
         return _or_word(SLACK, handler(core_schema), handler)
 
 
-class Mesh(Entry):
-    """One entry of the mesh schedule."""
-
-    method: Text = Field(description="collocation method; `trajopt methods` lists them")
-    segments: Segments = Field(description=f"number of equal segments, or relative widths; at most {MAX_SEGMENTS}")
-    tolerance: Number = Field(1e-8, description="convergence tolerance of the solver (its option tol); default 1e-8")
-
-    @field_validator("method")
-    @classmethod
-    def _known_method(cls, value: str, info: ValidationInfo) -> str:
-        methods = (info.context or {}).get("methods", ())
-        if methods and value not in methods:
-            close = nearest(value, methods)
-            remedy = f"did you mean {close}?" if close else "write one of " + ", ".join(methods)
-            raise mistake(f'there is no method "{brief(value)}"', remedy)
-        return value
-
-    @field_validator("tolerance")
-    @classmethod
-    def _sensible(cls, value: float) -> float:
-        if not 1e-16 <= value <= 1:
-            raise mistake(f"the tolerance {value:g} is out of range", "write a number such as 1.0e-8")
-        return value
-
-
-class Solver(Entry):
-    """Which solver runs, and how. Every key but `engine` and `accept` is an option of that solver."""
-
-    model_config = ConfigDict(extra="allow", frozen=True)
-    __pydantic_extra__: dict[str, Option]
-
-    engine: Literal["ipopt", "newton"] = Field(
-        "ipopt", description="ipopt (default), or newton: Newton's method on the KKT system, equality constraints only"
-    )
-    accept: Literal["optimal", "acceptable"] = Field(
-        "optimal", description="count IPOPT's acceptable point as solved (acceptable) or not (optimal, the default)"
-    )
-
-    @property
-    def options(self) -> dict[str, int | float | str]:
-        return dict(self.model_extra)
-
-
-class Reference(Entry):
-    """A value of the objective known from elsewhere."""
-
-    objective: Number = Field(description="the known value")
-    tolerance: Number = Field(1e-6, description="absolute difference allowed; default 1e-6")
-    source: Text = Field("", description="where the value comes from")
-
-
 class Spec(Entry):
     """A problem file."""
 
@@ -268,8 +217,19 @@ class Spec(Entry):
     )
     constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
     guess: Guess = Field(Guess(), description="initial trajectory: linear (default), constants or keyframes")
+    scaling: Scaling = Field(
+        "none",
+        description="none (default: the solver's own, by gradients), auto (by bounds, guess and Jacobian), or auto with "
+        "the sizes of some states, controls or parameters given: {name: size}",
+    )
+    refine: Refine | None = Field(
+        None, description="refine the mesh until the error meets a tolerance; default only where mesh is left out"
+    )
     mesh: list[Mesh] = Field(
-        min_length=1, max_length=MAX_MESHES, description="schedule: each entry starts from the solution before it"
+        default_factory=lambda: [Mesh(method=DEFAULT_METHOD, segments=DEFAULT_SEGMENTS)],
+        min_length=1,
+        max_length=MAX_MESHES,
+        description="schedule: each entry starts from the solution before it; left out, the mesh is chosen and refined",
     )
     solver: Solver = Field(Solver(), description="engine, accept, and options of the engine such as max_iter")
     reference: Reference | None = Field(None, description="known objective to compare with")

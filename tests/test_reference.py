@@ -5,10 +5,10 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from trajopt.problems.build import build
+from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.solve import Settings, solve, steps
+from trajopt.transcription.solve import settings_of, solve, steps
 
 HS = "hermite-simpson"
 
@@ -35,7 +35,7 @@ REFERENCES = [  # problem, method, segments, objective as printed: half a unit o
 
 def run(name: str, *overrides: str):
     spec = load(shipped()[name], overrides)
-    solution = solve(build(spec), steps(spec.mesh), Settings(spec.solver.options))
+    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
     assert solution.solved, solution.status
     return spec, solution
 

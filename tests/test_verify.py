@@ -5,19 +5,19 @@ import numpy as np
 import pytest
 from exact import growth, growth_state
 
-from trajopt.problems.build import build
+from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.results.reload import reload
 from trajopt.results.store import write
 from trajopt.results.verify import simulate, verify
-from trajopt.transcription.solve import Settings, Step, solve, steps
+from trajopt.transcription.solve import Step, settings_of, solve, steps
 
 
 def stored(folder, name, *overrides):
     """The result file of a shipped problem."""
     spec = load(shipped()[name], overrides)
-    solution = solve(build(spec), steps(spec.mesh), Settings(spec.solver.options))
+    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
     write(folder / "result.h5", solution, spec.text, spec.model_dump_json(), "test")
     return folder / "result.h5", solution
 
@@ -111,7 +111,7 @@ mesh: [{method: hermite-simpson, segments: 20}]
 """
     (tmp_path / "implicit.yaml").write_text(text)
     spec = load(tmp_path / "implicit.yaml")
-    solution = solve(build(spec), steps(spec.mesh))
+    solution = solve(build_all(spec), steps(spec.mesh))
     write(tmp_path / "result.h5", solution, spec.text, spec.model_dump_json(), "test")
     assert solution.solved
     assert solution.max_eta > 0

@@ -11,7 +11,8 @@ from itertools import count
 import numpy as np
 
 from ..problems.problem import Problem
-from ..problems.spec import Mesh as MeshEntry
+from ..problems.procedure import Mesh as MeshEntry
+from ..problems.spec import Spec
 from . import ipopt
 from .transcribe import Transcription, transcribe
 from .compiler import CompiledNLP
@@ -50,7 +51,7 @@ class Step:
 
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
     """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
-    return [Step(entry.method, entry.segments, entry.tolerance) for entry in schedule]
+    return [Step(entry.method, entry.segments, entry.tolerance, entry.degree, entry.form) for entry in schedule]
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,17 @@ class Settings:
         return newton.solve
 
 
+def settings_of(spec: Spec) -> Settings:
+    """The settings of a problem file."""
+    return Settings(
+        options=spec.solver.options,
+        engine=spec.solver.engine,
+        accept=Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED,
+        refine=Refine(spec.refine.tolerance, spec.refine.max_meshes) if spec.refine else None,
+        scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
+    )
+
+
 def solve(
     problem: Problem | Sequence[Problem],
     schedule: Sequence[Step],
@@ -148,7 +160,7 @@ def solve(
     the status.
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
-    history, solved = [], None
+    history, solved, above = [], None, 0
     steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
     for number in count():
         problem, meshes, tolerance = steps[number]
@@ -157,7 +169,7 @@ def solve(
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
-        guess, above = solution.trajectories, 0
+        guess = solution.trajectories
         if number + 1 >= len(schedule) and settings.refine:
             refined = list(map(partial(refine, tolerance=settings.refine.tolerance), solution.trajectories, solution.errors))
             above = sum(refinement.above for refinement in refined)
