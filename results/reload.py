@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from ..problems.build import build
@@ -35,12 +36,22 @@ class Reloaded:
     solved: bool
 
 
+def _mesh(group: h5py.Group) -> Mesh:
+    """The mesh of a group /mesh/<k>; methods of one degree store none."""
+    method, widths = group.attrs["method"], np.diff(group["edges"][:])
+    if "degree" not in group:
+        return Mesh.of(find(method), widths.tolist())
+    forms = ["differential" if differential else "integral" for differential in group["differential"][:]]
+    schemes = (find(method, int(n), form) for n, form in zip(group["degree"][:], forms, strict=True))
+    return Mesh(tuple(schemes), widths)
+
+
 def reload(path: Path) -> Reloaded:
     """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
     with open_result(path) as file:
         full = file["spec/full"].asstr()[()]
         last = file["mesh"][str(len(file["mesh"]) - 1)]
-        mesh = Mesh.of(find(last.attrs["method"]), np.diff(last["edges"][:]).tolist())
+        mesh = _mesh(last)
         solver = file["solver"]
         outcome = Outcome(
             status=Status[file.attrs["status"].upper()],

@@ -10,10 +10,12 @@
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state), with the numbers of the segments and the names of the states
         parameter/<name>       scalar, optimised static parameters
-    /mesh/<k>/                 edges; attributes: method, segments, tolerance, status, objective, max_eta, iterations,
-                               unknowns, constraints, seconds_<part>
+    /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
+                               attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
+                               iterations, unknowns, constraints, seconds_<part>
     /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
-                               attributes: every option, seconds_<part> over all meshes, violations
+                               attributes: every option, seconds_<part> over all meshes, violations, unmet (segments
+                               that refinement left above its tolerance), scaling (sizes of the automatic one, JSON)
 
 Arrays carry `units` and `long_name`, and their dimensions are HDF5 dimension scales, so that
 `xarray.open_datatree(file)` shows times as coordinates. (xarray wants a dimension to have one size in a group and all
@@ -44,6 +46,7 @@ if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to l
     from ..transcription.trajectory import Trajectory
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
+MAX_UNMET = 20  # segments told one by one
 
 
 def check_target(path: Path, problem: str, force: bool = False) -> None:
@@ -186,6 +189,14 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     })
 
 
+    if any(scheme.degree is not None for scheme in record.mesh.schemes):
+        segment = _scale(group, "segment", np.arange(record.mesh.segments), "number of the segment")
+        degrees = [scheme.degree for scheme in record.mesh.schemes]
+        forms = [int(scheme.differential) for scheme in record.mesh.schemes]
+        _array(group, "degree", degrees, [segment], "degree of the method")
+        _array(group, "differential", forms, [segment], "whether the defects are in differential form")
+
+
 def _write_solver(group: h5py.Group, solution: Solution) -> None:
     outcome = solution.outcome
     records = _group(group, "iterations")
@@ -201,6 +212,8 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
     group.attrs.update({**outcome.solver, **_seconds(parts)})
     group.attrs["violations"] = [str(violation) for violation in solution.violations]
+    group.attrs["unmet"] = list(solution.unmet[:MAX_UNMET])
+    group.attrs["unmet_count"] = len(solution.unmet)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import time
@@ -101,7 +102,11 @@ def solve(
         objective=float(info["obj_val"]),
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
         seconds=time.perf_counter() - began,
-        solver={"ipopt": ".".join(map(str, cyipopt.IPOPT_VERSION)), **chosen},
+        solver={
+            "ipopt": ".".join(map(str, cyipopt.IPOPT_VERSION)),
+            **chosen,
+            "scaling": json.dumps(scaling.sizes if scaling else None),
+        },
         failed=callbacks.failed,
     )
 

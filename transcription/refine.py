@@ -8,8 +8,8 @@ exceeds the tolerance
         and the dynamics are smooth there: the Legendre coefficients of f decay fast;
     is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance.
 
-Neighbours of one degree that are both far below the tolerance, and would be so together, are merged. Hysteresis: only
-segments below MERGE_MARGIN of the tolerance are merged, and none that was split before, so that no cycle can start.
+Neighbours of one scheme that are both far below the tolerance are merged. Two things keep splitting and merging from
+taking turns: only segments below MERGE_MARGIN of the tolerance are merged, and after MERGING_MESHES meshes none at all.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same 
 MIN_DEGREE = 3
 DECAY = 0.4  # decades a coefficient: slower than that, f is not smooth on the segment
 MERGE_MARGIN = 1e-3
+MERGING_MESHES = 4
 CLOSING_IN = 0.1  # half width of the middle part around a discontinuity, relative to the segment
 JUMP = 0.25  # of a control's range within one segment: a discontinuity, if the control is smooth on neither side
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """The next mesh (the same one where every segment meets the tolerance), and how many segments do not."""
+    """The next mesh, and the segments of this one that exceed the tolerance, in words; none if the mesh is good."""
 
     mesh: Mesh
-    above: int
-    max_error: float
+    unmet: tuple[str, ...]
 
 
 def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
@@ -47,22 +47,33 @@ def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
     return (error.eta / size).max(axis=0)
 
 
-def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float) -> Refinement:
-    """The mesh to solve on next; pure, it changes nothing."""
+def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
+    """The mesh to solve on next; pure, it changes nothing. merge: whether segments may be merged too."""
     mesh, errors = trajectory.mesh, relative_error(trajectory, error)
     above = np.flatnonzero(~(errors <= tolerance))
     if not len(above):
-        return Refinement(mesh, 0, float(errors.max()))
+        return Refinement(mesh, ())
     pieces = []
     for s in range(mesh.segments):
         if errors[s] <= tolerance:
             pieces.append([(mesh.widths[s], mesh.schemes[s])])
         else:
             pieces.append(_refine_segment(trajectory, s, float(errors[s]), tolerance))
-    pieces = _merge(pieces, errors, tolerance)
+    if merge:
+        pieces = _merge(pieces, errors, tolerance)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
-    return Refinement(Mesh(schemes, widths), len(above), float(errors.max()))
+    return Refinement(Mesh(schemes, widths), tuple(_told(trajectory, s, errors[s]) for s in _worst_first(above, errors)))
+
+
+def _worst_first(above: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    return above[np.argsort(-np.nan_to_num(errors[above], nan=np.inf), kind="stable")]
+
+
+def _told(trajectory: Trajectory, s: int, error: float) -> str:
+    jump = _jump(trajectory, s)
+    where = f"segment {s + 1}, t = {trajectory.knots[s]:.6g} to {trajectory.knots[s + 1]:.6g}: error {error:.1e}"
+    return where + (f", a control jumps at about t = {trajectory.knots[s] + jump * trajectory.h[s]:.6g}" if jump else "")
 
 
 def _refine_segment(trajectory: Trajectory, s: int, error: float, tolerance: float) -> list:
@@ -85,7 +96,7 @@ def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
     method = METHODS[scheme.name]
     if method.nodes is None or not np.isfinite(ratio):
         return None
-    degree = len(scheme.c) - (method.ends == "both")
+    degree = scheme.degree
     more = int(np.ceil(np.log(ratio) / np.log(max(degree, MIN_DEGREE))))
     wanted = degree + max(more, 1)
     return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None

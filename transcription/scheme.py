@@ -47,7 +47,7 @@ class Scheme:
     sigma: (d + 1,) state nodes. c: (n,) collocation nodes. L: (d, d + 1) and R: (d, n), the defects.
     eliminated: (node, row) pairs; the state at that node is no variable, it is the solution of defect `row`, which must
     not contain the dynamics at the node itself. differential: whether the defects are written in differential form,
-    with the dynamics of two nodes in each at most. Raises ValueError where the data contradict each other.
+    with the dynamics of two nodes in each at most. degree: within a family of schemes, else None. Raises ValueError where the data contradict each other.
     """
 
     name: str
@@ -60,6 +60,7 @@ class Scheme:
     source: str
     eliminated: tuple[tuple[int, int], ...] = ()
     differential: bool = False
+    degree: int | None = None
 
     def __post_init__(self):
         d, n = len(self.sigma) - 1, len(self.c)
@@ -143,6 +144,7 @@ class FiniteDifference:
     source: str = "An introduction to direct collocation, section 6, (40)-(42)"
     collocated: tuple[int, ...] = (0, 1)
     eliminated: tuple[tuple[int, int], ...] = ()
+    degree: None = None
     b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
     state_interpolant: str = "3"
     control_interpolant: str = "1"

@@ -132,6 +132,7 @@ def _orthogonal(method: Method, degree: int, form: str) -> Scheme:
         R=R,
         source=method.source,
         differential=form == "differential",
+        degree=degree,
     )
 
 
@@ -188,7 +189,7 @@ def _fixed(scheme: Scheme | FiniteDifference, ends: str) -> Method:
 def _low_order(name: str, nodes, ends: str, source: str) -> Method:
     """The lowest member of a family under its own name."""
     scheme = _orthogonal(Method(name, "one point", ends, "", source, nodes=nodes), 1, "integral")
-    return _fixed(replace(scheme, family="one point"), ends)
+    return _fixed(replace(scheme, family="one point", degree=None), ends)
 
 
 METHODS = {

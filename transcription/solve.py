@@ -21,7 +21,7 @@ from .diagnose import Violation, diagnose
 from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
-from .refine import refine, relative_error
+from .refine import MERGING_MESHES, refine, relative_error
 from .scaling import scale
 from .scheme import Scheme
 from .schemes import find
@@ -74,7 +74,7 @@ class MeshRecord:
 class Solution:
     """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.
 
-    above: the number of segments that refinement left above its tolerance.
+    unmet: the segments that refinement left above its tolerance, in words, the worst first.
     """
 
     problem: Problem
@@ -87,7 +87,7 @@ class Solution:
     violations: tuple[Violation, ...] = ()
     trouble: str = ""
     accept: Status = Status.SOLVED
-    above: int = 0
+    unmet: tuple[str, ...] = ()
 
     @property
     def solved(self) -> bool:
@@ -160,7 +160,7 @@ def solve(
     the status.
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
-    history, solved, above = [], None, 0
+    history, solved, unmet = [], None, ()
     steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
     for number in count():
         problem, meshes, tolerance = steps[number]
@@ -171,13 +171,14 @@ def solve(
             break
         guess = solution.trajectories
         if number + 1 >= len(schedule) and settings.refine:
-            refined = list(map(partial(refine, tolerance=settings.refine.tolerance), solution.trajectories, solution.errors))
-            above = sum(refinement.above for refinement in refined)
-            if above and number + 1 < len(schedule) + settings.refine.max_meshes:
+            how = partial(refine, tolerance=settings.refine.tolerance, merge=number - len(schedule) < MERGING_MESHES)
+            refined = list(map(how, solution.trajectories, solution.errors))
+            unmet = tuple(segment for refinement in refined for segment in refinement.unmet)
+            if unmet and number + 1 < len(schedule) + settings.refine.max_meshes:
                 steps.append((problem, [refinement.mesh for refinement in refined], tolerance))
         if number + 1 == len(steps):
             break
-    return replace(solution, meshes=tuple(history), accept=settings.accept, above=above)
+    return replace(solution, meshes=tuple(history), accept=settings.accept, unmet=unmet)
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
