@@ -115,14 +115,15 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
 
 def _check_meshes(schedule) -> list[Mistake]:
     """What only the methods know: the degrees and forms they have."""
-    from ..transcription.solve import steps
+    from ..transcription.schemes import find
 
     mistakes = []
-    for number, step in enumerate(steps(schedule)):
-        try:
-            step.mesh()
-        except SpecError as error:
-            mistakes += [replace(mistake, where=f"mesh.{number}.degree") for mistake in error.mistakes]
+    for number, entry in enumerate(schedule):
+        for degree in set(entry.degree) if isinstance(entry.degree, tuple) else {entry.degree}:
+            try:
+                find(entry.method, degree, entry.form)
+            except SpecError as error:
+                mistakes += [replace(mistake, where=f"mesh.{number}.degree") for mistake in error.mistakes]
     return mistakes
 
 

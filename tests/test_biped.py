@@ -313,7 +313,7 @@ def test_both_meshes_of_the_paper():
     for mesh in solution.meshes:
         parts = ", ".join(f"{name} {seconds:.3f}" for name, seconds in mesh.seconds.items())
         total = sum(mesh.seconds.values())
-        print(f"{mesh.step.segments} segments: {mesh.iterations} iterations, {total:.3f} s: {parts}")
+        print(f"{mesh.mesh.segments} segments: {mesh.iterations} iterations, {total:.3f} s: {parts}")
 
 
 def test_compressed_form_finds_the_same_gait():

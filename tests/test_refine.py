@@ -1,0 +1,137 @@
+"""Refinement: meets its tolerance where it can, says where it cannot, and puts the points where they are needed."""
+
+import numpy as np
+import pytest
+from exact import GROWTH_OBJECTIVE, growth, growth_state
+
+from trajopt.problems.build import build_all
+from trajopt.problems.catalog import shipped
+from trajopt.problems.load import load
+from trajopt.transcription.mesh import Mesh
+from trajopt.transcription.refine import MERGE_MARGIN, refine, relative_error
+from trajopt.transcription.schemes import find
+from trajopt.transcription.solve import Refine, Settings, Step, settings_of, solve, steps
+
+
+def run(name: str, *overrides: str):
+    spec = load(shipped()[name], overrides)
+    return solve(build_all(spec), steps(spec.mesh), settings_of(spec))
+
+
+@pytest.mark.parametrize(("method", "degree"), [("trapezoid", None), ("hermite-simpson", None), ("gauss", 4), ("radau", 3)])
+def test_a_smooth_problem_meets_its_tolerance(method, degree):
+    tolerance = 1e-5 if method == "trapezoid" else 1e-8
+    solution = solve(growth(), [Step(method, 4, 1e-11, degree)], Settings(refine=Refine(tolerance)))
+    assert solution.solved
+    assert not solution.unmet
+    assert solution.meshes[-1].relative_error <= tolerance
+    (trajectory,) = solution.trajectories
+    dense = trajectory.dense
+    # eta tells how well the dynamics are met; how near the control is to the best one adds to that.
+    assert np.abs(dense.x[0] - growth_state(dense.t)).max() < 200 * tolerance
+    assert solution.objective == pytest.approx(GROWTH_OBJECTIVE, abs=200 * tolerance)
+
+
+@pytest.mark.parametrize("method", ["hermite-simpson", "radau", "gauss"])
+def test_the_swing_up_to_1e_8_on_far_fewer_points_than_an_equal_mesh(method):
+    """At most half the collocation points of the coarsest uniform mesh of 2^n segments that is as accurate."""
+    adaptive = run("cartpole", "mesh.-1.segments=10", f"mesh.*.method={method}", "refine.tolerance=1e-8")
+    assert adaptive.solved
+    assert not adaptive.unmet
+    assert adaptive.objective == pytest.approx(58.8076675, abs=2e-7)
+    uniform = run("cartpole", "mesh.-1.segments=512", "mesh.*.method=hermite-simpson")
+    assert uniform.meshes[-1].relative_error > 1e-8
+    assert len(adaptive.trajectories[0].times) <= (2 * 1024 + 1) / 2
+
+
+def test_points_gather_where_the_swing_up_is_fast():
+    solution = run("cartpole", "mesh.-1.segments=10", "refine.tolerance=1e-6")
+    (trajectory,) = solution.trajectories
+    middle = np.abs(trajectory.knots[:-1] - 0.9) < 0.25
+    assert trajectory.h[middle].mean() < trajectory.h[~middle].mean() / 2
+
+
+def test_switching_times_of_the_minimum_work_block():
+    """u_max = 20: t* = (1 - sqrt(1 - 4/20))/2 and 1 - t*, found within 1e-4; J = (u_max t*)^2."""
+    solution = run("block_move_min_work", "mesh.*.method=radau", "mesh.-1.segments=20", "mesh.-1.degree=3",
+                   "refine.tolerance=1e-7", "refine.max_meshes=15")  # fmt: skip
+    exact = (1 - np.sqrt(1 - 4 / 20)) / 2
+    assert solution.objective == pytest.approx((20 * exact) ** 2, abs=1e-4)
+    (trajectory,) = solution.trajectories
+    names = [control.name for control in trajectory.phase.controls]
+    dense = trajectory.dense
+    u = dense.u[names.index("u")]
+    falls = dense.t[1:][(u[:-1] > 10) & (u[1:] <= 10)]
+    assert np.abs(falls - exact).min() < 1e-4
+    stops = dense.t[1:][(u[:-1] > -10) & (u[1:] <= -10)]
+    assert np.abs(stops - (1 - exact)).min() < 1e-4
+
+
+def test_minimum_time_swing_up():
+    solution = run("cartpole_min_time")
+    assert solution.solved
+    assert solution.objective == pytest.approx(1.10667, abs=1e-4)
+
+
+def test_hyper_sensitive_problem_from_the_default_guess():
+    solution = run("hyper_sensitive")
+    assert solution.solved
+    assert not solution.unmet
+    assert solution.objective == pytest.approx(1.3308, abs=5e-5)
+    (trajectory,) = solution.trajectories
+    assert trajectory.h.min() < 1
+    assert trajectory.h.max() > 2000
+
+
+def test_what_cannot_be_met_is_told():
+    solution = run("cartpole", "mesh.-1.segments=5", "mesh.*.method=trapezoid", "refine.tolerance=1e-9", "refine.max_meshes=2")
+    assert len(solution.meshes) == 3
+    assert solution.unmet
+    assert solution.unmet[0].startswith("segment ")
+    assert "error" in solution.unmet[0]
+
+
+def test_no_mesh_is_solved_twice_and_a_good_one_stays():
+    solution = solve(growth(), [Step("radau", 10, 1e-11, 8)], Settings(refine=Refine(1e-6)))
+    assert len(solution.meshes) == 1
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    assert refine(trajectory, error, 1e-6).mesh is trajectory.mesh
+
+
+def test_segments_are_split_in_proportion_to_their_error():
+    solution = solve(growth(), [Step("trapezoid", [4, 1, 1], 1e-11)])
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    errors = relative_error(trajectory, error)
+    refinement = refine(trajectory, error, tolerance=float(errors[1:].max()) * 1.01)
+    assert refinement.mesh.segments > 3
+    assert refinement.mesh.widths[-2:] == pytest.approx(trajectory.mesh.widths[1:])  # the good ones are left alone
+    assert refinement.mesh.widths[:-2].sum() == pytest.approx(trajectory.mesh.widths[0])
+
+
+def test_neighbours_are_merged_only_far_below_the_tolerance():
+    solution = solve(growth(), [Step("hermite-simpson", [20, *[1] * 10], 1e-11)])
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    errors = relative_error(trajectory, error)
+    tolerance = float(errors[0]) / 2
+    assert errors[1:].max() < MERGE_MARGIN * tolerance
+    merged = refine(trajectory, error, tolerance)
+    kept = refine(trajectory, error, tolerance, merge=False)
+    assert merged.mesh.segments == kept.mesh.segments - 5
+    assert merged.mesh.widths.sum() == pytest.approx(1)
+
+
+def test_smooth_segments_get_points_and_rough_ones_are_split():
+    smooth = solve(growth(), [Step("radau", 2, 1e-11, 4)])
+    (trajectory,), (error,) = smooth.trajectories, smooth.errors
+    raised = refine(trajectory, error, 1e-9).mesh
+    assert raised.segments == 2
+    assert min(scheme.degree for scheme in raised.schemes) > 4
+    rough = run("hyper_sensitive", "refine.max_meshes=1")
+    assert rough.meshes[1].mesh.widths.min() < rough.meshes[0].mesh.widths.min()
+
+
+def test_meshes_are_pure_data():
+    mesh = Mesh.of(find("radau", 3), 4)
+    assert mesh.segments == 4
+    with pytest.raises(AttributeError):
+        mesh.widths = None
