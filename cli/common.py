@@ -18,7 +18,12 @@ from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
 
 
-SHORT_FORMS = {"mesh.*.method": "--method", "mesh.-1.segments": "--segments", "mesh.-1.tolerance": "--tol", "refine.tolerance": "--refine"}
+SHORT_FORMS = {
+    "mesh.*.method": "--method",
+    "mesh.-1.segments": "--segments",
+    "mesh.-1.tolerance": "--tol",
+    "refine.tolerance": "--refine",
+}
 """Options that stand for an override, by its path; messages name the option."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import logging
 import os
@@ -34,7 +35,7 @@ Segments = Annotated[
 ]
 Tolerance = Annotated[float, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
 RefineTo = Annotated[
-    float, typer.Option("--refine", metavar="TOLERANCE", help="Refine the mesh to this relative error.", show_default=False)
+    float, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.", show_default=False)
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
@@ -77,6 +78,7 @@ def solve(
         for job in jobs:
             solution = _run(job, interrupted, quiet, verbose)
             _tell(job, json_, quiet)
+            gc.collect()  # the next problem needs not keep the models of this one
             if interrupted():
                 raise typer.Exit(INTERRUPTED)
             code = code if solution.solved else NOT_SOLVED

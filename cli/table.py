@@ -33,8 +33,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "error", _error(summary["error"])
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
-        text = f"{summary['unmet_count']} of {mesh['segments']} segments miss the tolerance; the worst: {summary['unmet'][0]}"
-        yield "refinement", text
+        count = f"{summary['unmet_count']} of {mesh['segments']} segments"
+        yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     count = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")

@@ -13,8 +13,8 @@ from .checks import NO_STATES, check
 from .errors import FileError, Mistake, SpecError
 from .overrides import override
 from .places import Finding, Places
-from .repair import repair
 from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS
+from .repair import repair
 from .spec import Spec
 from .syntax import nearest
 from .yamltext import brief

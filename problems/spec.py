@@ -7,13 +7,12 @@ here is a mistake. A value that may be computed is a `Formula`: a number or an e
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import (
     ConfigDict,
     Field,
     PrivateAttr,
-    ValidationInfo,
     field_validator,
     model_serializer,
     model_validator,
@@ -219,7 +218,7 @@ class Spec(Entry):
     guess: Guess = Field(Guess(), description="initial trajectory: linear (default), constants or keyframes")
     scaling: Scaling = Field(
         "none",
-        description="none (default: the solver's own, by gradients), auto (by bounds, guess and Jacobian), or auto with "
+        description="none (default: the solver's own, by gradients), auto (by bounds, guess, Jacobian), or auto with "
         "the sizes of some states, controls or parameters given: {name: size}",
     )
     refine: Refine | None = Field(

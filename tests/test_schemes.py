@@ -48,7 +48,7 @@ def test_state_interpolant_has_the_collocated_slopes(scheme):
     f = np.cos(3 * scheme.c)
     at_nodes = scheme.interpolant(scheme.c)
     assert at_nodes.dF @ f == pytest.approx(f, abs=1e-13)
-    assert scheme.interpolant(np.zeros(1)).F == pytest.approx(0, abs=1e-15)
+    assert pytest.approx(0, abs=1e-15) == scheme.interpolant(np.zeros(1)).F
     # The integral of a polynomial that f carries exactly.
     polynomial = chebyshev(n - 1)
     integral = polynomial.integ(lbnd=0)

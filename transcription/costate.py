@@ -20,9 +20,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
 from .outcome import Outcome
+from .transcribe import Layout, Transcription
 
 
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:

@@ -12,8 +12,8 @@ from pathlib import Path
 from ..problems.errors import Mistake, SpecError
 from ..problems.files import check_writable, replacing
 from ..problems.problem import Problem
-from .transcribe import transcribe
 from .mesh import Mesh
+from .transcribe import transcribe
 
 FORMATS = (".nl", ".gms", ".tex")
 

@@ -14,7 +14,6 @@ from ..problems.problem import Problem
 from ..problems.procedure import Mesh as MeshEntry
 from ..problems.spec import Spec
 from . import ipopt
-from .transcribe import Transcription, transcribe
 from .compiler import CompiledNLP
 from .costate import costates
 from .diagnose import Violation, diagnose
@@ -26,6 +25,7 @@ from .scaling import scale
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
+from .transcribe import Transcription, transcribe
 from .warm import Solved, warm_start
 
 

@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..problems.problem import Phase
-from .transcribe import Layout, Transcription
 from .finite_difference import velocities
 from .mesh import Mesh
 from .polynomials import lagrange_basis
 from .scheme import FiniteDifference
+from .transcribe import Layout, Transcription
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .builder import Family
-from .transcribe import Layout, Transcription
 from .compiler import CompiledNLP
 from .ipopt import Start
 from .outcome import Outcome
 from .scheme import Scheme
 from .trajectory import Trajectory
+from .transcribe import Layout, Transcription
 
 
 @dataclass(frozen=True)
