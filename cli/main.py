@@ -9,6 +9,7 @@ import typer
 
 from . import files, inspect, plot, verify
 from .compare import compare
+from .reproduce import reproduce
 from .solve import solve
 
 app = typer.Typer(
@@ -23,7 +24,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, files.check, inspect.show, verify.verify, compare, plot.plot, plot.animate,
+    solve, files.check, inspect.show, verify.verify, compare, plot.plot, plot.animate, reproduce,
     inspect.list_, inspect.methods, inspect.schema, files.export, files.init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)

@@ -33,9 +33,7 @@ def verify(
             lines = [{**vars(check), "passed": check.passed} for check in checks]
             print(json.dumps({"file": str(path), "passed": all(check.passed for check in checks), "checks": lines}))
             continue
-        rows = [
-            ("pass" if c.passed else "FAIL", c.name, f"{c.value:.2e}", f"{c.limit:.1e}", c.where) for c in checks
-        ]
+        rows = [("pass" if c.passed else "FAIL", c.name, f"{c.value:.2e}", f"{c.limit:.1e}", c.where) for c in checks]
         print_table((str(path), "check", "value", "limit", "where"), rows, right=("value", "limit"))
     if not passed:
         raise typer.Exit(NOT_SOLVED)

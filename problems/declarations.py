@@ -84,7 +84,6 @@ class State(Entry):
     final: EndValue | None = Field(None, description="value or {lower, upper} at the final time; default free")
     note: Text = Field("", description=NOTE)
 
-
     @model_validator(mode="after")
     def _one_kind_of_dynamics(self):
         for key in ("accel", "velocity"):

@@ -100,6 +100,8 @@ Widths = Annotated[
     BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
     WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
 ]
+
+
 def _degree(value: Any) -> int | tuple[int, ...]:
     if isinstance(value, list):
         return tuple(_degree(item) for item in value)

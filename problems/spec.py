@@ -95,9 +95,7 @@ class Constraints(Entry):
 class Guess(Entry):
     """Where the solver starts: `linear`, or constants and keyframes for some names and linear for the others."""
 
-    constants: dict[str, Formula] = Field(
-        {}, description="state, control or algebraic variable -> value at every time"
-    )
+    constants: dict[str, Formula] = Field({}, description="state, control or algebraic variable -> value at every time")
     keyframes: dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]] = Field(
         {},
         description="state, control or algebraic variable -> values; "

@@ -77,9 +77,7 @@ class Symbols:
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
         return path not in self._wrong and all(
-            self.kinds[n.name] in (*VARYING, "static parameter")
-            or n.name in self.numbers
-            or n.name in self.definitions
+            self.kinds[n.name] in (*VARYING, "static parameter") or n.name in self.numbers or n.name in self.definitions
             for n in leaves(expression.root)
         )
 

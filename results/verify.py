@@ -7,7 +7,8 @@ Optimality    With lambda the costate and nu, kappa the multiplier functions of 
                   L = w + lambda f + nu g + kappa r                        (B.7), extended
 
               has dL/du = 0 where u is inside its bounds, points into the bound where it is on one, and H = w + lambda f
-              changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on t.
+              changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on
+              t.
 Constraints   Bounds and path constraints, on a grid between the collocation points.
 Reference     The objective beside the problem file's own reference.
 
@@ -46,7 +47,7 @@ class Check:
 
 
 def verify(path: Path, tolerance: float = 5e-2) -> list[Check]:
-    """All checks of a result file; `tolerance` is the relative error that passes. Raises FileError for a foreign file."""
+    """All checks of a result file; `tolerance` is the relative error that passes. Raises FileError for another file."""
     result = reload(path)
     checks = [Check("solver status", 0.0 if result.solved else 1.0, 0.0, result.outcome.status.message)]
     for number, trajectory in enumerate(result.trajectories):
@@ -56,7 +57,9 @@ def verify(path: Path, tolerance: float = 5e-2) -> list[Check]:
             checks += _optimality(result, number, tolerance)
     if reference := result.spec.reference:
         difference = abs(result.outcome.objective - reference.objective)
-        checks.append(Check("objective, difference from the reference", difference, reference.tolerance, reference.source))
+        checks.append(
+            Check("objective, difference from the reference", difference, reference.tolerance, reference.source)
+        )
     return checks
 
 
@@ -68,7 +71,9 @@ def _simulation(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
     for i, state in enumerate(trajectory.phase.states):
         deviation = np.abs(simulated[i] - stored[i]) / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
-        yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, _at(trajectory.knots[k]))
+        yield Check(
+            f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, _at(trajectory.knots[k])
+        )
 
 
 def simulate(trajectory: Trajectory) -> np.ndarray:
@@ -177,7 +182,10 @@ def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, t
     explicit = hamiltonian.derivative(hamiltonian.hamiltonian, values, "t")
     drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
     drift -= (drift.max() + drift.min()) / 2
-    rates = [np.abs(l * state.rate(values, np)) for l, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)]
+    rates = [
+        np.abs(l * state.rate(values, np))
+        for l, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)
+    ]
     scale = max(float(np.max(term)) for term in (*rates, np.abs(H))) or 1.0
     k = int(np.argmax(np.abs(drift)))
     return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, _at(t[k]))

@@ -58,11 +58,22 @@ def trajectory(model, n, scheme):
                 model.add_component(f"mid_{i}", Constraint(model.segment, rule=lambda m, s, i=i: midpoint(m, s, i)))
         model.path = Constraint(model.point, rule=lambda m, k: inequality(-1.5, m.u[k] * m.x["q", k], 2.5))
         model.below = Constraint(model.point, rule=lambda m, k: m.u[k] ** 2 <= 4 + m.x["v", k])
-        model.energy = Constraint(rule=lambda m: m.x["q", last] ** 2 - sum(m.w[k] * m.u[k] ** 2 for k in m.point) * 3
-                                  + m.tf * sum(m.w[k] * pyo.cos(m.x["q", k]) for k in m.point) <= 100)
+        model.energy = Constraint(
+            rule=lambda m: (
+                m.x["q", last] ** 2
+                - sum(m.w[k] * m.u[k] ** 2 for k in m.point) * 3
+                + m.tf * sum(m.w[k] * pyo.cos(m.x["q", k]) for k in m.point)
+                <= 100
+            )
+        )
         model.close = Constraint(rule=lambda m: m.x["v", 0] * m.x["v", last] == m.p["torque"] - 1)
-        model.cost = Objective(rule=lambda m: m.tf ** 2 + (m.tf - 0.5) * sum(m.w[k] * m.u[k] ** 2 for k in m.point)
-                               - sum(m.x["q", s] * m.x["v", s + 1] for s in m.segment) / 3)
+        model.cost = Objective(
+            rule=lambda m: (
+                m.tf**2
+                + (m.tf - 0.5) * sum(m.w[k] * m.u[k] ** 2 for k in m.point)
+                - sum(m.x["q", s] * m.x["v", s + 1] for s in m.segment) / 3
+            )
+        )
     model.x["q", 0].fix(0.3)
     model.x["v", last].fix(-0.2)
 
@@ -74,6 +85,7 @@ def free(model):
     def point(v):
         index = v.index()[-1] if isinstance(v.index(), tuple) else v.index()
         return index if isinstance(index, int) else -1
+
     return sorted(leaves, key=point)
 
 
@@ -129,6 +141,7 @@ def check_derivatives(nlp, z, tolerance=1e-7):
     def lagrangian_gradient(z):
         jac, _ = dense(nlp, z, y, sigma)
         return sigma * nlp.gradient(z) + y @ jac
+
     np.testing.assert_allclose(hess, differences(lagrangian_gradient, z), **close)
     return jac, hess
 
@@ -190,8 +203,10 @@ def test_rows_of_components_on_one_set_interleave():
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_function(name, backend):
     function = getattr(pyo, name)
-    model = small(lambda m, s: function(m.x[s] * m.y) * m.x[s + 1] == m.d[s],
-                  lambda m: sum(m.d[k] * function(m.x[k]) for k in m.point))
+    model = small(
+        lambda m, s: function(m.x[s] * m.y) * m.x[s + 1] == m.d[s],
+        lambda m: sum(m.d[k] * function(m.x[k]) for k in m.point),
+    )
     nlp = CompiledNLP(model, free(model), backend=backend)
     z = random_point(nlp, low=0.3, high=0.8)
     check_derivatives(nlp, z, 1e-6)
@@ -203,10 +218,19 @@ def test_every_function(name, backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("body", [
-    lambda m, s: m.x[s] ** 2 * m.y + m.x[s + 1] ** 3, lambda m, s: m.x[s] ** -1 / m.y, lambda m, s: m.x[s] ** 0.5,
-    lambda m, s: m.x[s] ** 2.5 - m.x[s] ** 1.7, lambda m, s: m.x[s] ** m.y, lambda m, s: 2 ** m.x[s],
-    lambda m, s: m.x[s] ** m.d[s], lambda m, s: -(m.x[s] - 1.5) * (m.y / 3 + 1e-3) * m.x[s + 1]])
+@pytest.mark.parametrize(
+    "body",
+    [
+        lambda m, s: m.x[s] ** 2 * m.y + m.x[s + 1] ** 3,
+        lambda m, s: m.x[s] ** -1 / m.y,
+        lambda m, s: m.x[s] ** 0.5,
+        lambda m, s: m.x[s] ** 2.5 - m.x[s] ** 1.7,
+        lambda m, s: m.x[s] ** m.y,
+        lambda m, s: 2 ** m.x[s],
+        lambda m, s: m.x[s] ** m.d[s],
+        lambda m, s: -(m.x[s] - 1.5) * (m.y / 3 + 1e-3) * m.x[s + 1],
+    ],
+)
 def test_arithmetic(body, backend):
     nlp = CompiledNLP(model := small(lambda m, s: body(m, s) <= 1), free(model), backend=backend)
     check_derivatives(nlp, random_point(nlp, low=0.3, high=0.8))
@@ -224,12 +248,13 @@ def test_arguments_that_are_one_variable_at_some_indices(backend):
     jac, _ = check_derivatives(nlp, random_point(nlp))
     places = list(zip(*nlp.jacobianstructure(), strict=True))
     assert set(places) == set(zip(*np.nonzero(jac), strict=True))
-    assert len([p for p in places if p[0] < 4]) == np.count_nonzero(jac[:4])      # each place once
+    assert len([p for p in places if p[0] < 4]) == np.count_nonzero(jac[:4])  # each place once
 
 
 def test_fixed_variables_are_data():
     def rule(m, s):
         return m.x[s] * m.x[s + 1] ** 2 == m.y
+
     values = {}
     for fixed in (0.25, 0.75):
         model = small(rule)
@@ -243,7 +268,7 @@ def test_fixed_variables_are_data():
         values[fixed] = nlp.constraints(z)
         np.testing.assert_allclose(values[fixed], x[:-1] * x[1:] ** 2 - fixed, atol=1e-15)
         check_derivatives(nlp, z)
-    assert len(machine_code._code) == compiled      # the value is no part of the code
+    assert len(machine_code._code) == compiled  # the value is no part of the code
 
 
 def test_bounds():
@@ -259,6 +284,7 @@ def test_bounds():
 
     def bounds(c):
         return nlp.cl[nlp.rows(c)].tolist(), nlp.cu[nlp.rows(c)].tolist()
+
     assert bounds(model.ranged) == ([-1.5, -2, -2.5, -3], [3, 4, 5, 6])
     assert bounds(model.pair) == ([-1] * 4, [5.5] * 4)
     assert bounds(model.lower) == ([3] * 4, [inf] * 4)
@@ -268,24 +294,37 @@ def test_bounds():
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_sums_make_a_dense_row_and_a_sparse_hessian(backend):
-    model = small(objective=lambda m: 3 * sum(m.x[k] ** 3 for k in m.point) - sum(m.x[s] * m.x[s + 1] for s in m.inner),
-                  n=30)
+    model = small(
+        objective=lambda m: 3 * sum(m.x[k] ** 3 for k in m.point) - sum(m.x[s] * m.x[s + 1] for s in m.inner), n=30
+    )
     with templated():
-        model.row = Constraint(rule=lambda m: m.y ** 2 - sum(m.d[k] * m.x[k] ** 2 for k in m.point) / 2
-                               + (-sum(pyo.sin(m.x[k]) for k in m.point)) <= sum(m.x[s] for s in m.inner))
+        model.row = Constraint(
+            rule=lambda m: (
+                m.y**2 - sum(m.d[k] * m.x[k] ** 2 for k in m.point) / 2 + (-sum(pyo.sin(m.x[k]) for k in m.point))
+                <= sum(m.x[s] for s in m.inner)
+            )
+        )
     nlp = CompiledNLP(model, free(model), backend=backend)
     check_derivatives(nlp, random_point(nlp))
     assert len(set(nlp.jacobianstructure()[1])) == nlp.n
     rows, cols = nlp.hessianstructure()
-    assert len(set(zip(rows, cols, strict=True))) == 31 + 30 + 1      # diagonal, first subdiagonal, y
+    assert len(set(zip(rows, cols, strict=True))) == 31 + 30 + 1  # diagonal, first subdiagonal, y
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize(("body", "z", "kind"), [
-    (lambda x, y: pyo.log(x), -1.0, "constraints"), (lambda x, y: pyo.sqrt(x), -1.0, "constraints"),
-    (lambda x, y: y / x, 0.0, "constraints"), (lambda x, y: pyo.exp(x), 1e4, "constraints"),
-    (lambda x, y: pyo.sqrt(x), 0.0, "jacobian"), (lambda x, y: x ** 1.5, 0.0, "hessian"),
-    (lambda x, y: pyo.asin(x), 2.0, "constraints"), (lambda x, y: x ** 2.5 * y, -1.0, "constraints")])
+@pytest.mark.parametrize(
+    ("body", "z", "kind"),
+    [
+        (lambda x, y: pyo.log(x), -1.0, "constraints"),
+        (lambda x, y: pyo.sqrt(x), -1.0, "constraints"),
+        (lambda x, y: y / x, 0.0, "constraints"),
+        (lambda x, y: pyo.exp(x), 1e4, "constraints"),
+        (lambda x, y: pyo.sqrt(x), 0.0, "jacobian"),
+        (lambda x, y: x**1.5, 0.0, "hessian"),
+        (lambda x, y: pyo.asin(x), 2.0, "constraints"),
+        (lambda x, y: x**2.5 * y, -1.0, "constraints"),
+    ],
+)
 def test_not_finite_names_the_component_and_index(body, z, kind, backend):
     model = ConcreteModel()
     model.phase = Block()
@@ -302,7 +341,10 @@ def test_not_finite_names_the_component_and_index(body, z, kind, backend):
     at[7] = z
     calls = {"objective": (), "constraints": (), "gradient": (), "jacobian": (), "hessian": (np.ones(nlp.m), 1.0)}
     fail_at = {
-        "constraints": {"objective", "constraints"}, "jacobian": {"gradient", "jacobian"}, "hessian": {"hessian"}}
+        "constraints": {"objective", "constraints"},
+        "jacobian": {"gradient", "jacobian"},
+        "hessian": {"hessian"},
+    }
     raised = {}
     for name, args in calls.items():
         try:
@@ -319,8 +361,10 @@ def test_not_finite_names_the_component_and_index(body, z, kind, backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("body", [lambda x: 1 / (x - x), lambda x: pyo.log(x - x), lambda x: pyo.sqrt(x - x - 2),
-                                  lambda x: (x - x - 2) ** 0.3])
+@pytest.mark.parametrize(
+    "body",
+    [lambda x: 1 / (x - x), lambda x: pyo.log(x - x), lambda x: pyo.sqrt(x - x - 2), lambda x: (x - x - 2) ** 0.3],
+)
 def test_what_is_never_finite_fails_when_evaluated(body, backend):
     model = small(lambda m, s: body(m.x[s]) + m.x[s] == 0)
     nlp = CompiledNLP(model, free(model), backend=backend)
@@ -347,6 +391,7 @@ def test_the_next_mesh_compiles_nothing(monkeypatch):
 def test_the_interpreter_stands_in_where_llvm_is_missing(monkeypatch, caplog):
     def without_llvm(*args, backend=None, **kwargs):
         raise ValueError("llvm backend is chosen, but symengine is not compiled with llvm support.")
+
     available_backend.cache_clear()
     try:
         with monkeypatch.context() as patch, caplog.at_level(logging.WARNING):
@@ -373,12 +418,16 @@ def loops_over_a_set(m, s):
     return total == m.x[s]
 
 
-@pytest.mark.parametrize(("rule", "message"), [
-    (loops_over_a_set, "c is not a template"),
-    (lambda m, s: abs(m.x[s]) == 0, "abs"),
-    (lambda m, s: m.x[s] * s == 0, "outside the brackets"),
-    (lambda m, s: m.x[s + 2] == 0, "no index"),
-    (lambda m, s: sum(m.x[k] for k in m.point) == m.x[s], "sum over a Set")])
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        (loops_over_a_set, "c is not a template"),
+        (lambda m, s: abs(m.x[s]) == 0, "abs"),
+        (lambda m, s: m.x[s] * s == 0, "outside the brackets"),
+        (lambda m, s: m.x[s + 2] == 0, "no index"),
+        (lambda m, s: sum(m.x[k] for k in m.point) == m.x[s], "sum over a Set"),
+    ],
+)
 def test_what_is_no_template_is_refused(rule, message):
     model = small(rule)
     with pytest.raises(TemplateError, match=message):
@@ -411,8 +460,7 @@ def test_every_variable_of_the_model_is_read():
     model = ConcreteModel()
     trajectory(model, 3, "trapezoid")
     nlp = CompiledNLP(model, free(model))
-    read = {id(v) for c in model.component_data_objects(Constraint) for v in identify_variables(c.expr)
-            if not v.fixed}
+    read = {id(v) for c in model.component_data_objects(Constraint) for v in identify_variables(c.expr) if not v.fixed}
     assert len(read) == nlp.n == len(set(nlp.jacobianstructure()[1]))
 
 
@@ -435,7 +483,7 @@ def test_terms_of_the_lagrangian_add_up_to_its_gradient(scheme):
 def test_unchecked_constraints_keep_nan():
     model = small(lambda m, s: pyo.log(m.x[s]) == 0)
     nlp = CompiledNLP(model, free(model))
-    z = np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])     # y stands first
+    z = np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # y stands first
     assert np.isnan(nlp.constraints_unchecked(z)).tolist() == [True, False, False, False]
     with pytest.raises(NotFinite):
         nlp.constraints(z)

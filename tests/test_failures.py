@@ -19,7 +19,12 @@ LINE = "x: {rate: u, initial: 0, final: 1}"
 
 def problem(
     *,
-    states=BLOCK, u="lower: -10, upper: 10", objective="integral: u**2", extra="", final="1", method="hermite-simpson"
+    states=BLOCK,
+    u="lower: -10, upper: 10",
+    objective="integral: u**2",
+    extra="",
+    final="1",
+    method="hermite-simpson",
 ) -> str:
     return f"""\
 trajopt: 1

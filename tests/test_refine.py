@@ -18,7 +18,9 @@ def run(name: str, *overrides: str):
     return solve(build_all(spec), steps(spec.mesh), settings_of(spec))
 
 
-@pytest.mark.parametrize(("method", "degree"), [("trapezoid", None), ("hermite-simpson", None), ("gauss", 4), ("radau", 3)])
+@pytest.mark.parametrize(
+    ("method", "degree"), [("trapezoid", None), ("hermite-simpson", None), ("gauss", 4), ("radau", 3)]
+)
 def test_a_smooth_problem_meets_its_tolerance(method, degree):
     tolerance = 1e-5 if method == "trapezoid" else 1e-8
     solution = solve(growth(), [Step(method, 4, 1e-11, degree)], Settings(refine=Refine(tolerance)))
@@ -84,7 +86,9 @@ def test_hyper_sensitive_problem_from_the_default_guess():
 
 
 def test_what_cannot_be_met_is_told():
-    solution = run("cartpole", "mesh.-1.segments=5", "mesh.*.method=trapezoid", "refine.tolerance=1e-9", "refine.max_meshes=2")
+    solution = run(
+        "cartpole", "mesh.-1.segments=5", "mesh.*.method=trapezoid", "refine.tolerance=1e-9", "refine.max_meshes=2"
+    )
     assert len(solution.meshes) == 3
     assert solution.unmet
     assert solution.unmet[0].startswith("segment ")

@@ -9,8 +9,12 @@ from trajopt.transcription.scheme import Scheme
 from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, METHODS, TRAPEZOID, find
 
 COLLOCATION = {name: find(name) for name in METHODS if name != "finite-difference"}
-COLLOCATION |= {f"{name} {n} {form}": find(name, n, form) for name in ("gauss", "radau", "radau-left", "lobatto", "chebyshev")
-                for n in (1, 2, 3, 7, 20, 60) for form in ("integral", "differential")}
+COLLOCATION |= {
+    f"{name} {n} {form}": find(name, n, form)
+    for name in ("gauss", "radau", "radau-left", "lobatto", "chebyshev")
+    for n in (1, 2, 3, 7, 20, 60)
+    for form in ("integral", "differential")
+}
 SCHEMES = pytest.mark.parametrize("scheme", COLLOCATION.values(), ids=COLLOCATION)
 TAU = np.linspace(0, 1, 11)
 

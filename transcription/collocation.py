@@ -1,13 +1,14 @@
 """The builder of every collocation scheme: one defect, for all rows of the table in `schemes`.
 
-On segment s of duration h, with the states x_i at the scheme's state nodes and the dynamics f_j at its collocation nodes,
+On segment s of duration h, with the states x_i at the scheme's state nodes and the dynamics f_j at its collocation
+nodes,
 
     sum_i L[r, i] x_i  ==  h sum_j R[r, j] f_j
 
-A state that the scheme eliminates is no variable: it is written out wherever it occurs, from the defect that defines it.
-Segments of one scheme share their templates. Where a defect has the dynamics of two nodes at most (the differential form),
-its rows differ only in their coefficients, so that one template, indexed by row, serves all rows of all segments,
-whatever the degree; otherwise there is one template for each row, indexed by segment.
+A state that the scheme eliminates is no variable: it is written out wherever it occurs, from the defect that defines
+it. Segments of one scheme share their templates. Where a defect has the dynamics of two nodes at most (the differential
+form), its rows differ only in their coefficients, so that one template, indexed by row, serves all rows of all
+segments, whatever the degree; otherwise there is one template for each row, indexed by segment.
 """
 
 from __future__ import annotations
@@ -115,7 +116,9 @@ class CollocationBuilder(PhaseBuilder):
                 def rule(block, s, r=r, state=state):
                     return self._defect(group.scheme, s, r, state)
 
-                self.add(f"defect{number}_{state.name}_{r}", over, rule, "defect", state.name, span, group=number, row=r)
+                self.add(
+                    f"defect{number}_{state.name}_{r}", over, rule, "defect", state.name, span, group=number, row=r
+                )
 
     def _defect(self, scheme, s, r: int, state: State):
         nodes = self._nodes(scheme, s)
@@ -143,7 +146,7 @@ class CollocationBuilder(PhaseBuilder):
         return [state.rate(nodes[i], pyomo) if weight else None for i, weight in pairs]
 
     def _rows_by_point(self, group: Group, number: int) -> None:
-        """sum_i L[r, i] x_i == h (a_r f_own + b_r f_other), with the coefficients as data of each row of each segment."""
+        """sum_i L[r, i] x_i == h (a_r f_own + b_r f_other), the coefficients being data of each row of each segment."""
         scheme, mesh, size = group.scheme, self.mesh, len(group.segments)
         for kind, rows in scheme.point_rows:
             index = f"defect{number}_{kind}"

@@ -44,6 +44,7 @@ def _callback(method: Callable) -> Callable:
             return method(self, *args)
         finally:
             self.seconds["evaluate"] += time.perf_counter() - start
+
     return call
 
 
@@ -138,8 +139,9 @@ class CompiledNLP:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
     def _family(self, components, over, arguments, outputs, rows) -> Family:
-        code = compile_family([se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data),
-                              self._backend, self.seconds)
+        code = compile_family(
+            [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
+        )
         return Family(components, over, arguments, rows, code)
 
     def _prepare(self) -> None:
@@ -147,11 +149,13 @@ class CompiledNLP:
         for f in self._families:
             f.set_data(self._numbers)
         n = self.n
-        self._jacobian = [(f, f.jacobian_entries(n)) for f in self._row_families + self._sum_families
-                          if f.code.jacobian]
+        self._jacobian = [
+            (f, f.jacobian_entries(n)) for f in self._row_families + self._sum_families if f.code.jacobian
+        ]
         self._hessian = [(f, f.hessian_entries(n)) for f in self._families if f.code.hessian]
-        self._gradient_columns = [np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel()
-                                  for f in self._cost_families]
+        self._gradient_columns = [
+            np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel() for f in self._cost_families
+        ]
 
     def rows(self, component) -> np.ndarray:
         """The row numbers of a Constraint, in the order of its index set."""
@@ -165,9 +169,9 @@ class CompiledNLP:
 
     def _move(self, z: np.ndarray) -> None:
         """Read z into the arguments of every family, unless it is there already."""
-        if np.array_equal(z, self._numbers[:self.n]):
+        if np.array_equal(z, self._numbers[: self.n]):
             return
-        self._numbers[:self.n] = z
+        self._numbers[: self.n] = z
         for f in self._families:
             f.variables[:] = self._numbers.take(f.columns)
 
@@ -193,7 +197,7 @@ class CompiledNLP:
             if f.code.jacobian:
                 g += np.bincount(columns, f.code.jacobian(f.arguments).ravel(), minlength=self.n + 1)
         self._check("gradient", g, self._cost_families)
-        return g[:self.n]
+        return g[: self.n]
 
     @_callback
     def constraints(self, z: np.ndarray) -> np.ndarray:
@@ -207,7 +211,7 @@ class CompiledNLP:
         self._move(z)
         g = np.empty(self.m)
         for f in self._row_families:
-            f.code.value(f.arguments, out=g[f.rows[0, 0]:f.rows[-1, -1] + 1])
+            f.code.value(f.arguments, out=g[f.rows[0, 0] : f.rows[-1, -1] + 1])
         for f in self._sum_families:
             g[f.rows] += f.code.value(f.arguments).sum(axis=0)
         return g

@@ -1,8 +1,8 @@
 """Costates from the multipliers of the nonlinear program.
 
-Perturb the dynamics by a small e: dx/dt = f + e. The optimal objective changes by  integral of lambda e dt, which defines
-the costate lambda. In the nonlinear program e enters the defects of segment s through h R e, and its optimal value changes
-by -mu_s . h R e, where mu_s are the defects' multipliers. Since the integral is h sum_j b_j lambda_j e_j,
+Perturb the dynamics by a small e: dx/dt = f + e. The optimal objective changes by  integral of lambda e dt, which
+defines the costate lambda. In the nonlinear program e enters the defects of segment s through h R e, and its optimal
+value changes by -mu_s . h R e, where mu_s are the defects' multipliers. Since the integral is h sum_j b_j lambda_j e_j,
 
     lambda(t_j) = -(R^T mu_s)_j / b_j        at the collocation nodes inside a segment.                          (1)
 
@@ -13,7 +13,8 @@ belong to segment s (defects, path constraints, running cost),
 
 (2) has the full order of the scheme, also at both ends of the trajectory and where an end is no collocation point. Both
 agree unless a bound on the state is active at the knot, where a costate may jump. Costates are those of the minimised
-objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense: d J / d x as written.
+objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense: d J / d x as
+written.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ from .transcribe import Layout, Transcription
 
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
     """lambda for each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state."""
-    return [transcription.problem.sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
+    return [
+        transcription.problem.sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases
+    ]
 
 
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:

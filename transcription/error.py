@@ -71,7 +71,7 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
 
 
 def _piece(trajectory: Trajectory, segments: np.ndarray, a: float, b: float, level: int) -> np.ndarray:
-    """|epsilon| at 2^level + 1 equally spaced times of the piece [a, b] of the segments: (n_x, segments, 2^level + 1)."""
+    """|epsilon| at 2^level + 1 equally spaced times of the piece [a, b] of G segments: (n_x, G, 2^level + 1)."""
     tau = np.linspace(a, b, 2**level + 1)
     return np.abs(_epsilon(trajectory, trajectory.grid(segments, tau)))
 

@@ -34,7 +34,7 @@ class Entries:
         distinct, places = np.unique(key, return_inverse=True)
         if len(distinct) < len(key) or (key < 0).any():
             self._places, self._dropped = places, int(distinct[0] < 0)
-            self.rows, self.cols = np.divmod(distinct[self._dropped:], n)
+            self.rows, self.cols = np.divmod(distinct[self._dropped :], n)
 
     def evaluate(self, function: Callable, arguments: np.ndarray, out: np.ndarray) -> None:
         """Write the derivatives into `out`, shape (len(rows),)."""
@@ -44,7 +44,7 @@ class Entries:
         raw = function(arguments)
         if self._factor is not None:
             raw *= self._factor
-        out[:] = raw.ravel() if self._places is None else np.bincount(self._places, raw.ravel())[self._dropped:]
+        out[:] = raw.ravel() if self._places is None else np.bincount(self._places, raw.ravel())[self._dropped :]
 
 
 class Family:
@@ -61,13 +61,13 @@ class Family:
         self.columns = np.array(arguments.variable_slots, dtype=np.intp).reshape(-1, size).T.copy()
         self.data_slots = np.array(arguments.data_slots, dtype=np.intp).reshape(-1, size).T
         self.arguments = np.zeros((size, self.columns.shape[1] + self.data_slots.shape[1] + len(components)))
-        self.variables = self.arguments[:, :self.columns.shape[1]]
-        self.weights = self.arguments[:, -len(components):]
+        self.variables = self.arguments[:, : self.columns.shape[1]]
+        self.weights = self.arguments[:, -len(components) :]
         self.functions = {"constraints": code.value, "jacobian": code.jacobian, "hessian": code.hessian}
 
     def set_data(self, numbers: np.ndarray) -> None:
         k = self.columns.shape[1]
-        self.arguments[:, k:k + self.data_slots.shape[1]] = numbers[self.data_slots]
+        self.arguments[:, k : k + self.data_slots.shape[1]] = numbers[self.data_slots]
 
     def jacobian_entries(self, n: int) -> Entries:
         o, j = self.code.jacobian_at.T

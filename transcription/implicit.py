@@ -1,7 +1,7 @@
 """Implicit dynamics between the collocation points: the algebraic variables that solve the residuals.
 
-Collocation makes the residuals vanish at its points only. Elsewhere the interpolated algebraic variables are as wrong as
-the state is, so measuring the error with them would hide it: an acceleration that is an algebraic variable is
+Collocation makes the residuals vanish at its points only. Elsewhere the interpolated algebraic variables are as wrong
+as the state is, so measuring the error with them would hide it: an acceleration that is an algebraic variable is
 interpolated just as the slope of the velocity is. There the residuals 0 = r(t, x, u, z, p) are solved for z.
 """
 

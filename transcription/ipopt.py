@@ -78,8 +78,8 @@ def solve(
     """Minimise the compiled program from z, shape (n,), between lower and upper, shape (n,).
 
     options: any of IPOPT's, over DEFAULTS. progress: called with each iteration's record. stop: asked at each
-    iteration; true ends the solve with status INTERRUPTED and the last iterate. scaling: in place of IPOPT's own. Raises ValueError for an option that
-    `check_options` would refuse.
+    iteration; true ends the solve with status INTERRUPTED and the last iterate. scaling: in place of IPOPT's own.
+    Raises ValueError for an option that `check_options` would refuse.
     """
     cyipopt = _cyipopt()
     callbacks = _Callbacks(nlp, progress, stop)
@@ -138,8 +138,8 @@ def _accepts(problem, name: str, value) -> bool:
 def _cyipopt():
     """Import cyipopt without scipy.optimize.
 
-    cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules makes
-    an import fail at once, which cyipopt treats as "SciPy is not installed".
+    cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
+    makes an import fail at once, which cyipopt treats as "SciPy is not installed".
     """
     if "cyipopt" not in sys.modules and "scipy" not in sys.modules:
         sys.modules["scipy"] = None

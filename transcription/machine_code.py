@@ -16,7 +16,7 @@ LOG = logging.getLogger(__name__)
 # SymEngine eliminates common subexpressions before LLVM sees them. After that its optimizer costs more than it gains:
 # the biped compiles in 0.23 s instead of 0.06 s, to evaluate 1.3 times as fast what is 3 % of a solve.
 OPT_LEVEL = 0
-CODE_LIMIT = 256      # compiled families kept for the next mesh
+CODE_LIMIT = 256  # compiled families kept for the next mesh
 
 _code: dict[tuple, Code] = {}
 
@@ -61,8 +61,10 @@ def compile_family(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
 
 def _compile(outputs, n_variables, n_data, backend, seconds) -> Code:
     with timing(seconds, "differentiate"):
-        v, d, w = ([se.Symbol(f"{x}{i}") for i in range(k)]
-                   for x, k in (("v", n_variables), ("d", n_data), ("w", len(outputs))))
+        v, d, w = (
+            [se.Symbol(f"{x}{i}") for i in range(k)]
+            for x, k in (("v", n_variables), ("d", n_data), ("w", len(outputs)))
+        )
         place = {symbol: j for j, symbol in enumerate(v)}
         jacobian = [(o, j, e) for o, y in enumerate(outputs) for j, e in _derivatives(y, place)]
         gradient: dict[int, se.Basic] = {}
@@ -71,8 +73,10 @@ def _compile(outputs, n_variables, n_data, backend, seconds) -> Code:
         hessian = [(i, j, e) for i, g in sorted(gradient.items()) for j, e in _derivatives(g, place) if j <= i]
     with timing(seconds, "compile"):
         options = {"backend": backend, "cse": True, **({"opt_level": OPT_LEVEL} if backend == "llvm" else {})}
-        functions = [se.Lambdify(v + d + w, e, **options) if e else None
-                     for e in (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])]
+        functions = [
+            se.Lambdify(v + d + w, e, **options) if e else None
+            for e in (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])
+        ]
     places = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
     return Code(tuple(outputs), *functions, *places)
 

@@ -21,7 +21,9 @@ from .schemes import FiniteDifference, Scheme
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """The segments of one scheme: their numbers (G,), state nodes (G, d + 1), collocation points (G, n), slots (G, d + 1)."""
+    """The segments of one scheme: their numbers (G,), state nodes (G, d + 1), collocation points (G, n), slots (G, d +
+    1).
+    """
 
     scheme: Scheme | FiniteDifference
     segments: np.ndarray

@@ -123,7 +123,11 @@ class _Newton:
             self.y += length * (y_new - self.y)
             objective, infeasibility = self._note(iteration, np.abs(dz).max(initial=0.0), length)
             small_step = np.abs(dz).max(initial=0.0) <= tolerance * (1 + np.abs(self.z).max())
-            if small_step and infeasibility <= tolerance and abs(objective - before) <= tolerance * (1 + abs(objective)):
+            if (
+                small_step
+                and infeasibility <= tolerance
+                and abs(objective - before) <= tolerance * (1 + abs(objective))
+            ):
                 return Status.SOLVED
             before = objective
         return Status.MAX_ITERATIONS

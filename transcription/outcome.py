@@ -14,40 +14,60 @@ class Status(Enum):
 
     SOLVED = (0, "solved", "")
     ACCEPTABLE = (
-        1, "stopped at a point that meets only the looser 'acceptable' tolerance",
-        "look at the error estimate; scale the problem or refine the mesh, or say 'solver: {accept: acceptable}'")
+        1,
+        "stopped at a point that meets only the looser 'acceptable' tolerance",
+        "look at the error estimate; scale the problem or refine the mesh, or say 'solver: {accept: acceptable}'",
+    )
     INFEASIBLE = (
-        2, "the constraints contradict each other near this point",
-        "relax one of the constraints named, or start from a guess nearer to satisfying them")
+        2,
+        "the constraints contradict each other near this point",
+        "relax one of the constraints named, or start from a guess nearer to satisfying them",
+    )
     STALLED = (
-        3, "the search directions became too small",
-        "the problem is badly scaled or not smooth here; rescale it, or loosen the tolerance")
+        3,
+        "the search directions became too small",
+        "the problem is badly scaled or not smooth here; rescale it, or loosen the tolerance",
+    )
     DIVERGING = (
-        4, "the iterates run to infinity",
-        "add bounds to the states and controls, or check the sign of the objective")
+        4,
+        "the iterates run to infinity",
+        "add bounds to the states and controls, or check the sign of the objective",
+    )
     INTERRUPTED = (5, "interrupted; this is the last iterate", "go on from this result with --guess, or run it again")
     FEASIBLE = (6, "found a feasible point of a problem without freedom left to optimise", "")
     MAX_ITERATIONS = (
-        -1, "ran out of iterations",
-        "raise 'solver: {max_iter: ...}', give a better guess, or start on a coarser mesh")
+        -1,
+        "ran out of iterations",
+        "raise 'solver: {max_iter: ...}', give a better guess, or start on a coarser mesh",
+    )
     RESTORATION_FAILED = (
-        -2, "could not become more feasible from here",
-        "look at the constraints named; give a better guess, or a coarser first mesh")
+        -2,
+        "could not become more feasible from here",
+        "look at the constraints named; give a better guess, or a coarser first mesh",
+    )
     STEP_FAILED = (
-        -3, "no search direction could be computed",
-        "if no cause is named, two constraints probably say the same thing: remove one, or give a better guess")
+        -3,
+        "no search direction could be computed",
+        "if no cause is named, two constraints probably say the same thing: remove one, or give a better guess",
+    )
     MAX_CPU_TIME = (-4, "ran out of CPU time", "raise 'solver: {max_cpu_time: ...}' or use a coarser mesh")
     MAX_WALL_TIME = (-5, "ran out of time", "raise 'solver: {max_wall_time: ...}' or use a coarser mesh")
     OVERDETERMINED = (
-        -10, "there are more equality constraints than unknowns",
-        "free a boundary value, or add a control or a free final time")
+        -10,
+        "there are more equality constraints than unknowns",
+        "free a boundary value, or add a control or a free final time",
+    )
     INVALID_PROBLEM = (-11, "IPOPT refused the problem's definition", "look for a lower bound above its upper bound")
     INVALID_OPTION = (
-        -12, "IPOPT could not use an option",
-        "check the 'solver:' section; a linear solver of the HSL needs 'hsllib: <its library>' too")
+        -12,
+        "IPOPT could not use an option",
+        "check the 'solver:' section; a linear solver of the HSL needs 'hsllib: <its library>' too",
+    )
     INVALID_NUMBER = (
-        -13, "a function had no finite value where IPOPT had to have one",
-        "bound the variables of the expression named away from that point, or change the guess")
+        -13,
+        "a function had no finite value where IPOPT had to have one",
+        "bound the variables of the expression named away from that point, or change the guess",
+    )
     NO_MEMORY = (-102, "ran out of memory", "use fewer segments")
     FAILED = (-199, "IPOPT failed inside", "try another 'solver: {linear_solver: ...}' or report it")
 

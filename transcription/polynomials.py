@@ -20,7 +20,7 @@ def barycentric_weights(c: np.ndarray) -> np.ndarray:
 
 
 def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    """Values of the Lagrange polynomials of the nodes c, shape (n,), at tau, shape (m,): shape (m, n) (paper, (D.3))."""
+    """The Lagrange polynomials of the nodes c, shape (n,), at tau, shape (m,): shape (m, n) (paper, (D.3))."""
     distance = np.asarray(tau, float)[:, None] - c[None, :]
     at_node = distance == 0
     terms = barycentric_weights(c) / np.where(at_node, 1.0, distance)
@@ -31,7 +31,8 @@ def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
 def differentiation_matrix(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """Slopes at some of the nodes c, shape (n,), of the polynomial through values at c: shape (m, n) (paper, (D.6)).
 
-    tau: (m,), each one of the nodes. The diagonal is minus the sum of the row, so that constants have slope zero exactly.
+    tau: (m,), each one of the nodes. The diagonal is minus the sum of the row, so that constants have slope zero
+    exactly.
     """
     v = barycentric_weights(c)
     own = np.array([int(np.flatnonzero(c == t)[0]) for t in tau])
@@ -44,9 +45,11 @@ def differentiation_matrix(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def jacobi_nodes(n: int, alpha: int, beta: int) -> np.ndarray:
-    """Roots on [0, 1] of the Jacobi polynomial of degree n for the weight (1 - tau)^alpha tau^beta, shape (n,), increasing.
+    """Roots on [0, 1] of the Jacobi polynomial of degree n for the weight (1 - tau)^alpha tau^beta, shape (n,),
+    increasing.
 
-    Golub and Welsch: eigenvalues of the symmetric tridiagonal matrix of the three-term recurrence, accurate to rounding.
+    Golub and Welsch: eigenvalues of the symmetric tridiagonal matrix of the three-term recurrence, accurate to
+    rounding.
     """
     k, sum_ = np.arange(n, dtype=float), alpha + beta
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,5 @@
-"""Error of a solution -> the next mesh (paper, section 5.2 and Figure 7; Patterson, Hager and Rao 2015; Liu et al. 2018).
+"""Error of a solution -> the next mesh (paper, section 5.2 and Figure 7; Patterson, Hager and Rao 2015; Liu et al.
+2018).
 
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state. A segment that
 exceeds the tolerance
@@ -63,7 +64,9 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
         pieces = _merge(pieces, errors, tolerance)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
-    return Refinement(Mesh(schemes, widths), tuple(_told(trajectory, s, errors[s]) for s in _worst_first(above, errors)))
+    return Refinement(
+        Mesh(schemes, widths), tuple(_told(trajectory, s, errors[s]) for s in _worst_first(above, errors))
+    )
 
 
 def _worst_first(above: np.ndarray, errors: np.ndarray) -> np.ndarray:
@@ -73,7 +76,9 @@ def _worst_first(above: np.ndarray, errors: np.ndarray) -> np.ndarray:
 def _told(trajectory: Trajectory, s: int, error: float) -> str:
     jump = _jump(trajectory, s)
     where = f"segment {s + 1}, t = {trajectory.knots[s]:.6g} to {trajectory.knots[s + 1]:.6g}: error {error:.1e}"
-    return where + (f", a control jumps at about t = {trajectory.knots[s] + jump * trajectory.h[s]:.6g}" if jump else "")
+    return where + (
+        f", a control jumps at about t = {trajectory.knots[s] + jump * trajectory.h[s]:.6g}" if jump else ""
+    )
 
 
 def _refine_segment(trajectory: Trajectory, s: int, error: float, tolerance: float) -> list:

@@ -1,13 +1,14 @@
 """Automatic scaling of the nonlinear program: one rule.
 
-    variable     divided by its typical size: half the distance of its bounds where both are given, else the largest magnitude
-                 along the guess, else 1; one size for a state or control at all times, so that a trajectory keeps its shape
-    defect       divided by the size of its state, so that a defect of 1e-8 means the same relative error everywhere
-    constraint   divided by the largest entry of its Jacobian row in scaled variables, where that exceeds 1
-    objective    divided by the largest entry of its gradient in scaled variables, where that exceeds 100
+    variable     divided by its typical size: half the distance of its bounds where both are given, else the largest
+                 magnitude along the guess, else 1; one size for a state or control at all times
+    defect       divided by the size of its state, so that 1e-8 means the same relative error everywhere
+    constraint   divided by the largest entry of its Jacobian row, where that exceeds 1
+    objective    divided by the largest entry of its gradient / 100, where that exceeds 1
 
-Sizes are kept within 1e-4 and 1e4. A file may give the size of any variable itself. IPOPT unscales its results, so that
-objective, multipliers and costates are those of the problem as stated.
+Jacobian and gradient are those by the scaled variables. Sizes are kept within 1e-4 and 1e4. A file may give the size
+of any variable itself. IPOPT unscales its results, so that objective, multipliers and costates are those of the problem
+as stated.
 """
 
 from __future__ import annotations
@@ -69,7 +70,9 @@ def _size(variable: Variable, values: np.ndarray) -> float:
     return float(np.clip(size, *SIZES))
 
 
-def _rows(transcription: Transcription, nlp: CompiledNLP, z, factors: np.ndarray, sizes: Mapping[str, float]) -> np.ndarray:
+def _rows(
+    transcription: Transcription, nlp: CompiledNLP, z, factors: np.ndarray, sizes: Mapping[str, float]
+) -> np.ndarray:
     g = np.ones(nlp.m)
     largest = np.zeros(nlp.m)
     try:

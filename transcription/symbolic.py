@@ -26,9 +26,11 @@ from pyomo.core.expr.template_expr import GetItemExpression, IndexTemplate, Temp
 
 from .templates import TemplateError
 
-FUNCTIONS = {name: getattr(se, name) for name in (
-    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")}
-EXACT_INTEGER = 2**53   # floats beyond it are not all integers, and integers beyond it not all floats
+FUNCTIONS = {
+    name: getattr(se, name)
+    for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
+}
+EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers beyond it not all floats
 
 
 class Slots:
@@ -177,8 +179,11 @@ class Arguments:
         indexed = isinstance(e, GetItemExpression)
         shape = _shape(e, template) if indexed else id(e)
         if shape not in self._known:
-            slot = (self.slots.table(e.args[0]).lookup([self._index(a, template) for a in e.args[1:]]) if indexed
-                    else self.slots.single(e))
+            slot = (
+                self.slots.table(e.args[0]).lookup([self._index(a, template) for a in e.args[1:]])
+                if indexed
+                else self.slots.single(e)
+            )
             self._known[shape] = self._symbol(np.broadcast_to(slot, self.values.shape))
         return self._known[shape]
 
@@ -273,5 +278,3 @@ def _real(result: se.Basic, parts: list) -> se.Basic:
         except (RuntimeError, TypeError, ValueError):
             return se.RealDouble(np.nan)
     return result
-
-

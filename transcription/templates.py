@@ -42,7 +42,8 @@ def template_of(component) -> tuple[Any, IndexTemplate | None]:
     if template is None:
         raise TemplateError(
             f"{component.name} is not a template: its rule loops over a Set, branches on its index, was called outside "
-            "templated(), or has been expanded by reading .expr")
+            "templated(), or has been expanded by reading .expr"
+        )
     expression, indices = template()
     if len(indices) > 1:
         raise TemplateError(f"{component.name} has {len(indices)} indices; a template has one or none")

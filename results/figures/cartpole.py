@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ..animate import stop_action
 from ..plots import draw_error
-from .example import Example, Picture, Run, Solutions, draw, grid, largest, name_time, objectives
+from .example import Example, Picture, Run, Solutions, draw, grid, largest, name_time, objectives, peak
 
 HS, TRAPEZOID = "Hermite-Simpson", "trapezoid"
 FRAMES = 9
@@ -43,7 +43,7 @@ def measure(solved: Solutions) -> dict[str, float]:
         "largest q1": q1.max(),
         "least q2": q2.min(),
         "largest |dq2/dt|": largest(v2),
-        **{f"largest |epsilon| of {q}": largest(epsilon[q].dense) for q in ("q1", "q2")},
+        **{f"largest |epsilon| of {q}": peak(epsilon[q].dense) for q in ("q1", "q2")},
         **{f"largest eta of {q}": eta[q].max() for q in ("q1", "q2")},
         **{f"largest eta of d{q}/dt": eta[v].max() for q, v in (("q1", "v1"), ("q2", "v2"))},
         **{f"segment of the largest eta of {q}": float(np.argmax(eta[q]) + 1) for q in ("q1", "q2")},

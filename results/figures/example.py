@@ -98,9 +98,14 @@ def draw(ax: Axes, solved: Solved, name: str, label: str = "", colour: str = "")
     ax.plot(phase.dense_time, curve.dense, color=colour or (VERMILION if control else BLUE), zorder=2)
     circle = {"markersize": 3.2, "markerfacecolor": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7}
     ax.plot(phase.time[knot], curve.points[knot], "o", zorder=3, **circle)
-    ax.set_ylabel(labelled(label or name, curve.unit))
+    ax.set_ylabel(with_unit(label or name, curve.unit))
     ax.yaxis.set_major_formatter(Numbers())
     ax.margins(x=0.015)
+
+
+def with_unit(label: str, unit: str) -> str:
+    """A label that may hold mathematics, and its unit."""
+    return label + labelled("", unit)
 
 
 def name_time(axes: Sequence[Sequence[Axes]], unit: str = "s") -> None:
@@ -119,3 +124,12 @@ def objectives(solved: Solutions, texts: Mapping[str, str]) -> dict[str, float]:
 
 def largest(values: np.ndarray) -> float:
     return float(np.abs(values).max())
+
+
+def peak(values: np.ndarray) -> float:
+    """The largest magnitude of a smooth curve that is given at equally spaced times: the vertex of a parabola."""
+    size = np.abs(values)
+    k = int(np.clip(size.argmax(), 1, len(size) - 2))
+    before, top, after = size[k - 1 : k + 2]
+    bend = 2 * top - before - after
+    return float(top + (after - before) ** 2 / (8 * bend)) if bend > 0 else float(top)

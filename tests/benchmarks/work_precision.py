@@ -2,8 +2,8 @@
 
     python tests/benchmarks/work_precision.py [-o work_precision.png] [--repeats 3]
 
-Error is the distance of the objective from its converged value; time is one solve from the problem file's own guess, start-up
-and compilation of the first run not counted (each method is run once before it is timed).
+Error is the distance of the objective from its converged value; time is one solve from the problem file's own guess,
+start-up and compilation of the first run not counted (each method is run once before it is timed).
 """
 
 from __future__ import annotations

@@ -1,0 +1,71 @@
+"""Functions of the values at one point, in machine code with first and second derivatives, for many points at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pyomo.core as pyomo
+import symengine as se
+
+from .machine_code import available_backend, compile_family, timing
+from .symbolic import Arguments, Slots
+
+
+class PointFunctions:
+    """y = F(v, d), v: variables and d: data, by name.
+
+    functions: each called with the values by name and Pyomo's functions, as `problems.problem.Function`.
+    Arrays of arguments have the variables first, then the data: shape (..., n_v + n_d).
+    """
+
+    def __init__(self, functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str], seconds: dict):
+        self.names, self.size = (*variables, *data), len(variables)
+        with timing(seconds, "differentiate"):
+            outputs = _translate(functions, variables, data)
+        self.outputs = len(outputs)
+        self.code = outputs and compile_family(outputs, len(variables), len(data), available_backend(), seconds)
+
+    def values(self, arguments: np.ndarray) -> np.ndarray:
+        """y, shape (..., n_y)."""
+        if not self.outputs:
+            return np.zeros((*arguments.shape[:-1], 0))
+        return self._call(self.code.value, arguments)
+
+    def jacobian(self, arguments: np.ndarray) -> np.ndarray:
+        """dy/dv, shape (..., n_y, n_v)."""
+        out = np.zeros((*arguments.shape[:-1], self.outputs, self.size))
+        if self.outputs and self.code.jacobian:
+            o, j = self.code.jacobian_at.T
+            out[..., o, j] = self._call(self.code.jacobian, arguments)
+        return out
+
+    def hessian(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """The second derivatives of weights . y, with weights (..., n_y): shape (..., n_v, n_v)."""
+        out = np.zeros((*arguments.shape[:-1], self.size, self.size))
+        if self.outputs and self.code.hessian:
+            i, j = self.code.hessian_at.T
+            out[..., i, j] = out[..., j, i] = self._call(self.code.hessian, arguments, weights)
+        return out
+
+    def _call(self, function: Callable, arguments: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+        """One call for all points; the compiled functions take the weights as their last arguments, used or not."""
+        full = np.zeros((*arguments.shape[:-1], arguments.shape[-1] + self.outputs))
+        full[..., : arguments.shape[-1]] = arguments
+        if weights is not None:
+            full[..., arguments.shape[-1] :] = weights
+        flat = full.reshape(-1, full.shape[-1])
+        return function(flat).reshape(*arguments.shape[:-1], -1)
+
+
+def _translate(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> list[se.Basic]:
+    """The functions in the symbols v0, v1, ... and d0, d1, ... that `compile_family` takes."""
+    model = pyomo.ConcreteModel()
+    model.variable = pyomo.Var(range(len(variables)))
+    model.data = pyomo.Var(range(len(data)), initialize=0.0)
+    model.data.fix()
+    leaves: Mapping = dict(zip((*variables, *data), (*model.variable.values(), *model.data.values()), strict=True))
+    arguments = Arguments(Slots(list(model.variable.values())), np.zeros(1, int))
+    for leaf in leaves.values():  # symbols are numbered in the order of first use
+        arguments.leaf(leaf, None)
+    return [se.sympify(arguments.translate(function(leaves, pyomo), None)) for function in functions]

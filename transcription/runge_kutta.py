@@ -1,0 +1,257 @@
+"""Shooting as data: explicit Runge-Kutta tables, and the scheme of a segment that is simulated by one of them.
+
+A segment is cut into S equal substeps of duration H, each with its own piece of the control polynomial. On a substep
+
+    k_j = f(t + c_j H, x + H sum_l a_jl k_l, u(t + c_j H))            stages, l < j
+    x(t + H) = x + H sum_j b_j k_j                                    its end
+    x(t + H/2) = x + H sum_j m_j k_j                                  its middle, of order one less (2 at least)
+
+    control      nodes of u on a substep      points of the mesh        state between the points, from
+    constant     middle                       ends and middle           x at the ends and the middle, f in the middle
+    linear       ends                         ends                      x and f at the ends
+    quadratic    ends and middle              ends and middle           x at the ends and the middle, f at the ends
+
+The middle's weights m solve the order conditions at 1/2: no evaluation of f is added. A linear or quadratic control is
+continuous, as its end nodes are shared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .polynomials import lagrange_basis
+from .scheme import Interpolant
+
+CONTROLS = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 0.5, 1.0)}
+"""Name of a control polynomial -> its nodes on a substep."""
+
+_SLOPES = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 1.0)}
+COSTATE_NODES = 4  # of the polynomial through neighbouring costates
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A Butcher table. A: (r, r) strictly lower triangular, b: (r,). controls: the polynomials it can tell apart."""
+
+    name: str
+    order: int
+    A: np.ndarray
+    b: np.ndarray
+    source: str
+    controls: tuple[str, ...] = tuple(CONTROLS)
+
+    def __post_init__(self):
+        if self.A.shape != (len(self.b),) * 2 or np.triu(self.A).any():
+            raise ValueError(f"{self.name}: A must be square and strictly lower triangular")
+
+    @cached_property
+    def c(self) -> np.ndarray:
+        """The times of the stages on the unit step, shape (r,)."""
+        return self.A.sum(axis=1)
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """The weights of the state in the middle of a step, shape (r,): the shortest that meet the order conditions."""
+        rows, sides = order_conditions(self.A, max(self.order - 1, 2), 0.5)
+        return np.linalg.lstsq(rows, sides, rcond=None)[0]
+
+
+def order_conditions(A: np.ndarray, order: int, theta: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """rows (q, r) and sides (q,): weights w with rows @ w = sides give x(t + theta H) to that order, at most 5.
+
+    One condition for each rooted tree (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, table II.2.2).
+    """
+    c = A.sum(axis=1)
+    trees = {
+        1: [(np.ones_like(c), 1)],
+        2: [(c, 2)],
+        3: [(c**2, 3), (A @ c, 6)],
+        4: [(c**3, 4), (c * (A @ c), 8), (A @ c**2, 12), (A @ A @ c, 24)],
+        5: [
+            (c**4, 5), (c**2 * (A @ c), 10), (c * (A @ c**2), 15), (c * (A @ A @ c), 30), ((A @ c) ** 2, 20),
+            (A @ c**3, 20), (A @ (c * (A @ c)), 40), (A @ A @ c**2, 60), (A @ A @ A @ c, 120),
+        ],
+    }  # fmt: skip
+    chosen = [(row, theta**n / gamma) for n in range(1, order + 1) for row, gamma in trees[n]]
+    rows, sides = zip(*chosen, strict=True)
+    return np.array(rows), np.array(sides)
+
+
+def _lower(*rows: tuple[float, ...]) -> np.ndarray:
+    A = np.zeros((len(rows) + 1,) * 2)
+    for i, row in enumerate(rows, start=1):
+        A[i, : len(row)] = row
+    return A
+
+
+# fmt: off
+HEUN = Table(
+    "runge-kutta-2", 2, _lower((1.0,)), np.array([1, 1]) / 2,
+    "Kelly 2017, sections 9.5, 9.6; Heun 1900", controls=("constant", "linear"),
+)
+CLASSICAL = Table(
+    "runge-kutta-4", 4, _lower((1 / 2,), (0, 1 / 2), (0, 0, 1)), np.array([1, 2, 2, 1]) / 6,
+    "Kelly 2017, sections 9.5, 9.6 and its supplement; Kutta 1901",
+)
+DORMAND_PRINCE = Table(
+    "dormand-prince", 5,
+    _lower(
+        (1 / 5,),
+        (3 / 40, 9 / 40),
+        (44 / 45, -56 / 15, 32 / 9),
+        (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+        (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    ),
+    np.array([35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]),
+    "Dormand and Prince, J. Comp. Appl. Math. 6, 1980, without its step control",
+)
+# fmt: on
+TABLES = (HEUN, CLASSICAL, DORMAND_PRINCE)
+
+
+@dataclass(frozen=True, eq=False)
+class Shooting:
+    """A segment that is simulated: one row of the table of methods, for a number of substeps and a control polynomial.
+
+    The names that `scheme.Scheme` has too mean the same. Only the states at the ends of the segment are unknowns.
+    """
+
+    table: Table
+    substeps: int
+    control: str
+    family: str = "shooting, explicit Runge-Kutta"
+    eliminated: tuple[tuple[int, int], ...] = ()
+    degree: None = None
+
+    @property
+    def name(self) -> str:
+        return self.table.name
+
+    @property
+    def order(self) -> int:
+        return self.table.order
+
+    @property
+    def source(self) -> str:
+        return self.table.source
+
+    @property
+    def state_interpolant(self) -> str:
+        return str(len(self.x_nodes) + len(_SLOPES[self.control]) - 1)
+
+    @property
+    def control_interpolant(self) -> str:
+        return str(len(self.u_nodes) - 1)
+
+    @property
+    def u_nodes(self) -> np.ndarray:
+        """The nodes of the control on the unit substep."""
+        return np.array(CONTROLS[self.control])
+
+    @property
+    def x_nodes(self) -> np.ndarray:
+        """The points of the mesh on the unit substep."""
+        return np.array([0.0, 1.0] if self.control == "linear" else [0.0, 0.5, 1.0])
+
+    @property
+    def stride(self) -> int:
+        """From the point at one end of a substep to that at the other."""
+        return len(self.x_nodes) - 1
+
+    @cached_property
+    def sigma(self) -> np.ndarray:
+        count = self.stride * self.substeps
+        return np.arange(count + 1) / count
+
+    @cached_property
+    def collocated(self) -> tuple[int, ...]:
+        """The index in sigma of each node of the control."""
+        step = 2 if self.control == "constant" else 1
+        return tuple(range(step - 1, len(self.sigma), step))
+
+    @cached_property
+    def c(self) -> np.ndarray:
+        return self.sigma[list(self.collocated)]
+
+    @cached_property
+    def b(self) -> np.ndarray:
+        """Weights of a composite quadrature on the nodes of the control: what makes a multiplier a density."""
+        local = {"constant": [1.0], "linear": [1 / 2, 1 / 2], "quadratic": [1 / 6, 4 / 6, 1 / 6]}[self.control]
+        return np.bincount(self.substep_nodes.ravel(), np.tile(local, self.substeps)) / self.substeps
+
+    @cached_property
+    def substep_nodes(self) -> np.ndarray:
+        """The numbers of the control's nodes on each substep, shape (S, nodes a substep)."""
+        count = len(self.u_nodes)
+        return np.arange(self.substeps)[:, None] * max(count - 1, 1) + np.arange(count)
+
+    @cached_property
+    def stage_basis(self) -> np.ndarray:
+        """u at the stages from u at the nodes of the substep, shape (r, nodes a substep)."""
+        return lagrange_basis(self.u_nodes, self.table.c)
+
+    def interpolant(self, tau: np.ndarray) -> Interpolant:
+        tau = np.asarray(tau, float)
+        rows, i = np.arange(len(tau))[:, None], self._substep(tau)
+        theta = tau * self.substeps - i
+        x_at, slope_at = self.x_nodes, np.array(_SLOPES[self.control])
+        (X, F), (dX, dF) = _hermite(x_at, slope_at, theta)
+        full = [np.zeros((len(tau), len(nodes))) for nodes in (self.sigma, self.c, self.sigma, self.c, self.c)]
+        points = i[:, None] * self.stride + np.arange(len(x_at))
+        slopes = self.substep_nodes[i][:, np.isin(self.u_nodes, slope_at)]
+        for array, columns, values in zip(
+            full,
+            (points, slopes, points, slopes, self.substep_nodes[i]),
+            (X, F / self.substeps, dX * self.substeps, dF, lagrange_basis(self.u_nodes, theta)),
+            strict=True,
+        ):
+            array[rows, columns] = values
+        return Interpolant(*full)
+
+    def costate_basis(self, tau: np.ndarray) -> np.ndarray:
+        """Weights (m, d + 1) of the costates at the ends of up to three neighbouring substeps, for those at tau."""
+        tau = np.asarray(tau, float)
+        count = min(COSTATE_NODES, self.substeps + 1)
+        first = np.clip(self._substep(tau) - (count - 1) // 2, 0, self.substeps + 1 - count)
+        basis = np.zeros((len(tau), len(self.sigma)))
+        columns = (first[:, None] + np.arange(count)) * self.stride
+        basis[np.arange(len(tau))[:, None], columns] = lagrange_basis(np.arange(count), tau * self.substeps - first)
+        return basis
+
+    def _substep(self, tau: np.ndarray) -> np.ndarray:
+        return np.clip(np.searchsorted(self.sigma[:: self.stride], tau, side="right") - 1, 0, self.substeps - 1)
+
+
+def _hermite(values: np.ndarray, slopes: np.ndarray, theta: np.ndarray) -> tuple:
+    """Weights of the values and slopes at some nodes for the polynomial at theta, and those for its derivative."""
+    powers = np.arange(len(values) + len(slopes))
+    lowered = np.maximum(powers - 1, 0)
+    conditions = np.vstack([values[:, None] ** powers, powers * slopes[:, None] ** lowered])
+    weights = [theta[:, None] ** powers, powers * theta[:, None] ** lowered] @ np.linalg.inv(conditions)
+    return tuple(np.split(w, [len(values)], axis=1) for w in weights)
+
+
+def simulate(trajectory) -> None:
+    """Write the states inside the segments into trajectory.x, from those at the starts of the segments and the controls."""
+    phase, mesh, p = trajectory.phase, trajectory.mesh, trajectory.parameters
+    for group in mesh.groups:
+        scheme = group.scheme
+        A, b, c, middle = scheme.table.A, scheme.table.b, scheme.table.c, scheme.table.middle
+        u = trajectory.u[:, group.collocated]
+        H = trajectory.h[group.segments] / scheme.substeps
+        start = trajectory.knots[group.segments]
+        x = trajectory.x[:, group.nodes[:, 0]]
+        for i in range(scheme.substeps):
+            k = np.zeros((len(b), *x.shape))
+            for j in range(len(b)):
+                stage = x + H * np.tensordot(A[j, :j], k[:j], 1)
+                inputs = u[:, :, scheme.substep_nodes[i]] @ scheme.stage_basis[j]
+                k[j] = phase.dynamics(start + (i + c[j]) * H, stage, inputs, p)
+            if scheme.stride == 2:
+                trajectory.x[:, group.nodes[:, 2 * i + 1]] = x + H * np.tensordot(middle, k, 1)
+            x = x + H * np.tensordot(b, k, 1)
+            if i < scheme.substeps - 1:
+                trajectory.x[:, group.nodes[:, scheme.stride * (i + 1)]] = x
