@@ -119,17 +119,23 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
 
 
 def _check_meshes(schedule) -> list[Mistake]:
-    """What only the methods know: the degrees and forms they have."""
+    """What only the methods know: the degrees, forms, substeps and controls they have."""
     from ..transcription.schemes import find
 
     mistakes = []
     for number, entry in enumerate(schedule):
         for degree in set(entry.degree) if isinstance(entry.degree, tuple) else {entry.degree}:
             try:
-                find(entry.method, degree, entry.form)
+                find(entry.method, degree, entry.form, entry.substeps, entry.control)
             except SpecError as error:
-                mistakes += [replace(mistake, where=f"mesh.{number}.degree") for mistake in error.mistakes]
+                mistakes += [_in_entry(mistake, number) for mistake in error.mistakes]
     return mistakes
+
+
+def _in_entry(mistake: Mistake, number: int) -> Mistake:
+    """A mistake of the methods at its place in the schedule."""
+    key = mistake.where.removeprefix("mesh.")
+    return replace(mistake, where=f"mesh.{number}.{key if key in ('substeps', 'control') else 'degree'}")
 
 
 def _check_options(solver) -> list[Mistake]:

@@ -21,7 +21,7 @@ NAMES = "Examples: block, splines, refinement, cartpole, biped, min_work, points
 
 @command
 def reproduce(
-    examples: Annotated[list[str], typer.Argument(metavar="[EXAMPLE]...", help=NAMES, show_default=False)] = (),
+    examples: Annotated[list[str], typer.Argument(metavar="EXAMPLE...", help=NAMES, show_default=False)] = (),
     *,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for all that is made.")] = Path(
         "reproduction"
@@ -36,9 +36,10 @@ def reproduce(
 
     Example: trajopt reproduce cartpole biped -o figures_of_the_paper
 
-    DIR/index.html shows the figures and the checks, DIR/figures has each figure as .png and .pdf, DIR/results the result
-    files. DIR must be new, empty, or made by this command. Numbers of the figures' own solves are always checked; --check
-    adds the others, and figures are drawn with it too. Exit code 1 if a number is off or a problem was not solved.
+    DIR/index.html shows the figures and the checks, DIR/figures has each figure as .png and .pdf, DIR/results the
+    result files. DIR must be new, empty, or made by this command. The numbers of all that the figures show are always
+    checked; --check adds those of other meshes and methods, and figures are drawn with it too. Exit code 1 if a number
+    is off or a problem was not solved.
     """
     from ..results.reproduce import INDEX
     from ..results.reproduce import reproduce as run
@@ -81,11 +82,7 @@ def _print(chapters: Sequence[Chapter]) -> None:
         print()
     if efforts := [effort for chapter in chapters for effort in chapter.efforts]:
         head = ("", "paper: iterations", "seconds", "here: iterations", "seconds ")
-        rows = [
-            (e.paper.what, str(e.paper.iterations), f"{e.paper.seconds:g}", str(e.iterations), f"{e.seconds:.3f}")
-            for e in efforts
-        ]
-        print_table(head, rows, right=head[1:])
+        print_table(head, [effort.row for effort in efforts], right=head[1:])
         print()
     checks = [check for chapter in chapters for check in chapter.checks]
     rows = [

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 from .syntax import nearest
 from .yamltext import brief
 
 MAX_MESHES = 100
+MAX_SUBSTEPS = 1000
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
+
+
+def _substeps(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_SUBSTEPS:
+        raise mistake(f"this is no number of substeps: {brief(value)}", f"write a whole number from 1 to {MAX_SUBSTEPS}")
+    return int(value)
+
+
+Substeps = Annotated[Any, PlainValidator(_substeps), WithJsonSchema({"type": "integer", "minimum": 1})]
 
 
 class Mesh(Entry):
     """One entry of the mesh schedule."""
 
-    method: Text = Field(description="collocation method; `trajopt methods` lists them")
+    method: Text = Field(description="collocation method, or shooting; `trajopt methods` lists them")
     segments: Segments = Field(description=f"number of equal segments, or relative widths; at most {MAX_SEGMENTS}")
     tolerance: Number = Field(1e-8, description="convergence tolerance of the solver (its option tol); default 1e-8")
     degree: Degree | None = Field(
@@ -26,6 +36,13 @@ class Mesh(Entry):
     )
     form: Literal["integral", "differential"] | None = Field(
         None, description="of the defects of those methods; default differential from degree 4 on"
+    )
+
+    substeps: Substeps | None = Field(
+        None, description="number of Runge-Kutta steps on each segment, for shooting methods; default 1"
+    )
+    control: Literal["constant", "linear", "quadratic"] | None = Field(
+        None, description="constant, linear or quadratic on each substep, for shooting methods; default the last it has"
     )
 
     @model_validator(mode="after")

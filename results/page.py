@@ -1,4 +1,4 @@
-"""The page that shows what `trajopt reproduce` made: plain HTML that needs no network and no other file but the figures."""
+"""The page that shows what `trajopt reproduce` made: plain HTML that needs no network, only the figures beside it."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ def _body(chapters: Sequence[Chapter], figures: bool) -> Iterator[str]:
     failed = sum(not check.passed for check in checks) + sum(len(chapter.unsolved) for chapter in chapters)
     verdict = f"all {len(checks)} numbers agree" if not failed else f'<span class="fail">{failed} are wrong</span>'
     yield (
-        "<p>The examples and figures of M. Kelly, <i>An Introduction to Trajectory Optimization</i>, SIAM Review 59(4), "
-        "2017, and the driven pendulum of an introduction to direct collocation, computed anew by trajopt. "
+        f"<p>The examples and figures of M. Kelly, <i>An Introduction to Trajectory Optimization</i>, SIAM Review "
+        f"59(4), 2017, and the driven pendulum of an introduction to direct collocation, computed anew by trajopt. "
         f"Checked: {verdict}. Written on {datetime.now():%Y-%m-%d}, on {escape(machine())}.</p>"
     )
-    links = (f'<a href="#{c.example.name}">{escape(c.example.title)}</a>' for c in chapters)
-    yield f"<p>{' &middot; '.join(links)} &middot; <a href=\"#checks\">All checks</a></p>"
+    links = [f'<a href="#{c.example.name}">{escape(c.example.title)}</a>' for c in chapters]
+    yield "<p>" + " &middot; ".join([*links, '<a href="#checks">All checks</a>']) + "</p>"
     yield from _efforts(chapters)
     for chapter in chapters:
         yield from _chapter(chapter, figures)
@@ -70,16 +70,12 @@ def _body(chapters: Sequence[Chapter], figures: bool) -> Iterator[str]:
 def _efforts(chapters: Sequence[Chapter]) -> Iterator[str]:
     efforts = [effort for chapter in chapters for effort in chapter.efforts]
     if efforts:
-        rows = (
-            [escape(e.paper.what), str(e.paper.iterations), f"{e.paper.seconds:g}", str(e.iterations), f"{e.seconds:.3f}"]
-            for e in efforts
-        )
         yield "<h2>Iterations and seconds</h2>"
         head = ["", "paper: iterations", "seconds", "here: iterations", "seconds"]
-        yield _table(head, rows, numbers=(1, 2, 3, 4))
+        yield _table(head, (map(escape, effort.row) for effort in efforts), numbers=(1, 2, 3, 4))
         yield (
-            "<p>The paper: FMINCON on one 3.4 GHz processor, with the derivatives of the biped written by hand. Here: IPOPT, "
-            "from the continuous problem to the solution and its error.</p>"
+            "<p>The paper: FMINCON on one 3.4 GHz processor, with the derivatives of the biped written by hand. "
+            "Here: IPOPT, from the continuous problem to the solution and its error.</p>"
         )
 
 

@@ -16,10 +16,11 @@ from ..transcription.compiler import CompiledNLP
 from ..transcription.costate import costates
 from ..transcription.mesh import Mesh
 from ..transcription.outcome import Outcome, Status
+from ..transcription.runge_kutta import Shooting
 from ..transcription.scheme import Scheme
 from ..transcription.schemes import find
 from ..transcription.trajectory import Trajectory, trajectories
-from ..transcription.transcribe import Transcription, transcribe
+from ..transcription.transcribe import Transcription, compiled, transcribe
 from .store import open_result
 
 
@@ -39,6 +40,9 @@ class Reloaded:
 def _mesh(group: h5py.Group) -> Mesh:
     """The mesh of a group /mesh/<k>; methods of one degree store none."""
     method, widths = group.attrs["method"], np.diff(group["edges"][:])
+    if "substeps" in group.attrs:
+        how = {"substeps": int(group.attrs["substeps"]), "control": group.attrs["control"]}
+        return Mesh.of(find(method, **how), widths.tolist())
     if "degree" not in group:
         return Mesh.of(find(method), widths.tolist())
     forms = ["differential" if differential else "integral" for differential in group["differential"][:]]
@@ -64,9 +68,9 @@ def reload(path: Path) -> Reloaded:
     spec = load_text(full, str(path))
     problem = build(spec)
     transcription = transcribe(problem, [mesh] * len(problem.phases))
-    nlp = CompiledNLP(transcription.model, transcription.variables)
+    nlp = compiled(transcription)
     phases = trajectories(transcription, outcome.z)
-    if all(isinstance(scheme, Scheme) for scheme in mesh.schemes):
+    if all(isinstance(scheme, Scheme | Shooting) for scheme in mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved)

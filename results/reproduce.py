@@ -1,8 +1,8 @@
 """The whole of the paper, and the pendulum of the introduction, solved, drawn and checked into one folder.
 
-    index.html     all figures with their captions, and all checks
-    figures/       the figures, each as .png and .pdf
-    results/       the result file of every solve
+index.html     all figures with their captions, and all checks
+figures/       the figures, each as .png and .pdf
+results/       the result file of every solve
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from ..problems.build import build_all
 from ..problems.catalog import find as find_problem
 from ..problems.errors import FileError, Mistake, SpecError
 from ..problems.files import check_writable, replacing
-from ..problems.load import load, load_text
-from ..problems.spec import Spec
+from ..problems.load import load
 from ..problems.syntax import nearest
 from ..transcription.solve import settings_of, solve, steps
 from . import page
@@ -57,6 +56,12 @@ class Measured:
     iterations: int
     seconds: float
 
+    @property
+    def row(self) -> list[str]:
+        """As texts: what, the paper's iterations and seconds, and those measured here."""
+        paper = self.paper
+        return [paper.what, str(paper.iterations), f"{paper.seconds:g}", str(self.iterations), f"{self.seconds:.3f}"]
+
 
 @dataclass(frozen=True)
 class Chapter:
@@ -95,7 +100,7 @@ def reproduce(
     command: str = "",
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Chapter]:
-    """Solve, draw and check examples, all of them if none is named, and write the results, figures and page to a folder.
+    """Solve, draw and check examples, all of them if none is named; results, figures and page go to a folder.
 
     every: also the solves that no figure shows, so that every number is checked. command: for the result files.
     progress: called with a text before each piece of work. Raises SpecError for an unknown example, FileError if the
@@ -108,7 +113,7 @@ def reproduce(
         solved, unsolved = _solve(example, folder / RESULTS, every, command, progress)
         chapters.append(_chapter(example, solved, unsolved, every))
         if figures and not unsolved:
-            _draw(example, solved, folder / FIGURES, progress)
+            _draw(example, solved, folder, progress)
     _write_page(folder, page.html(chapters, figures))
     return chapters
 
@@ -123,14 +128,14 @@ def prepare(folder: Path, chosen: Sequence[Example], figures: bool) -> None:
         if foreign:
             what = "it exists and was not made by 'trajopt reproduce'"
             raise FileError(Mistake(str(folder), what, "choose another folder with -o"))
-        for part in (folder, folder / RESULTS, folder / FIGURES):
-            part.mkdir(parents=True, exist_ok=True)
+        for part in (RESULTS, FIGURES) if figures else (RESULTS,):
+            (folder / part).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         what = f"this folder cannot be made or read ({error.strerror})"
         raise FileError(Mistake(str(folder), what, "choose another folder with -o")) from error
-    for path in (_picture_path(folder / FIGURES, picture, s) for e in chosen for picture in e.pictures for s in FORMATS):
-        if figures:
-            check_picture(path, FORMATS)
+    for picture in (picture for example in chosen for picture in example.pictures if figures):
+        for suffix in FORMATS:
+            check_picture(_picture_path(folder, picture, suffix), FORMATS)
     _write_page(folder, page.html([], figures))
 
 
@@ -164,19 +169,13 @@ def _solve(
 
 
 def _run(run: Run, path: Path, command: str) -> Solved:
-    spec = _spec(run)
+    spec = load(find_problem(run.problem), run.overrides)
     check_target(path, spec.name)
     solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
     write(path, solution, spec.text, spec.model_dump_json(), command)
     meshes = summarize(path)["meshes"]
     seconds = tuple(sum(mesh["seconds"].values()) for mesh in meshes)
     return Solved(read(path), tuple(mesh["iterations"] for mesh in meshes), seconds)
-
-
-def _spec(run: Run) -> Spec:
-    if run.text:
-        return load_text(run.text, run.problem, run.overrides)
-    return load(find_problem(run.problem), run.overrides)
 
 
 # -- checking -------------------------------------------------------------------------------------------------------
@@ -191,7 +190,8 @@ def _chapter(example: Example, solved: Solutions, unsolved: Mapping[str, str], e
         if every or value.name in numbers
     )
     efforts = tuple(_efforts(example, solved))
-    captions = {p.file: p.caption.format_map({name: run.effort for name, run in solved.items()}) for p in example.pictures}
+    words = {name: run.effort for name, run in solved.items()}
+    captions = {picture.file: picture.caption.format_map(words) for picture in example.pictures}
     return Chapter(example, captions, checks, efforts, example.table(solved) if every else (), unsolved)
 
 
@@ -215,4 +215,4 @@ def _draw(example: Example, solved: Solutions, folder: Path, progress: Callable[
 
 
 def _picture_path(folder: Path, picture: Picture, suffix: str) -> Path:
-    return folder / f"{picture.file}{suffix}"
+    return folder / FIGURES / f"{picture.file}{suffix}"

@@ -11,7 +11,7 @@
         error/                 eta (segment, state), with the numbers of the segments and the names of the states
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
-                               attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
+                               attributes: method, substeps and control of shooting, segments, tolerance, status, objective, max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>
     /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: every option, seconds_<part> over all meshes, violations, unmet (segments
@@ -38,6 +38,7 @@ import numpy as np
 
 from ..problems.errors import FileError, Mistake
 from ..problems.files import check_writable, replacing
+from ..transcription.runge_kutta import Shooting
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ..problems.problem import Phase, Problem, Variable
@@ -189,6 +190,8 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     })
 
 
+    if isinstance(scheme := record.mesh.schemes[0], Shooting):
+        group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
         segment = _scale(group, "segment", np.arange(record.mesh.segments), "number of the segment")
         degrees = [scheme.degree for scheme in record.mesh.schemes]

@@ -8,7 +8,7 @@ from trajopt.transcription.polynomials import integrated_basis, lagrange_basis
 from trajopt.transcription.scheme import Scheme
 from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, METHODS, TRAPEZOID, find
 
-COLLOCATION = {name: find(name) for name in METHODS if name != "finite-difference"}
+COLLOCATION = {name: find(name) for name in METHODS if isinstance(find(name), Scheme)}
 COLLOCATION |= {
     f"{name} {n} {form}": find(name, n, form)
     for name in ("gauss", "radau", "radau-left", "lobatto", "chebyshev")

@@ -60,13 +60,13 @@ class Place:
 class _Values(dict):
     """Names -> Pyomo items, made when they are asked for: a defect asks for few of them, at several points."""
 
-    def __init__(self, makers: Mapping[str, tuple[Any, str]], k, time: Callable[[], Any]):
+    def __init__(self, makers: Mapping[str, tuple[Any, str]], k, time: Callable[[Any], Any]):
         super().__init__()
         self.makers, self.k, self.time = makers, k, time
 
     def __missing__(self, name: str):
         if name == "t":
-            self[name] = self.time()
+            self[name] = self.time(self.k)
         else:
             component, key = self.makers[name]
             self[name] = component[key, self.k]
@@ -85,8 +85,8 @@ class PhaseBuilder:
         self.families: list[Family] = []
         self.owners: dict[int, np.ndarray] = {}
 
-    def stored(self) -> dict[str, np.ndarray]:
-        """The points at which each state is a variable."""
+    def stored(self) -> tuple[list[str], np.ndarray]:
+        """The states that are variables, and the points at which they are."""
         raise NotImplementedError
 
     def places(self) -> list[Place]:
@@ -113,20 +113,20 @@ class PhaseBuilder:
             bound(block.component(name), bounds, value)
             block.component(name).fixed = bounds.fixed
         block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
-        block.collocated = Set(initialize=mesh.collocated.tolist())
         self.data("fraction", block.point, mesh.fractions)
-        stored = self.stored()
-        block.x = Var([(name, k) for name, points in stored.items() for k in points.tolist()])
+        names, points = self.stored()
+        block.x = Var(names, self.points("stored", points))
+        collocated = self.points("collocated", mesh.collocated)
         if phase.controls:  # Pyomo's LaTeX printer fails on a component without members
-            block.u = Var([control.name for control in phase.controls], block.collocated)
+            block.u = Var([control.name for control in phase.controls], collocated)
         if phase.algebraic:
-            block.z = Var([algebraic.name for algebraic in phase.algebraic], block.collocated)
+            block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
         for state in phase.states:
-            points = stored.get(state.name, np.zeros(0, int)).tolist()
-            data = self._fill(block.x, state.name, points, state.bounds, guess)
-            for k, ends in ((0, state.initial), (self.last, state.final)):
-                if k in data:
-                    bound(data[k], ends, data[k].value)
+            if state.name in names:
+                data = self._fill(block.x, state.name, points.tolist(), state.bounds, guess)
+                for k, ends in ((0, state.initial), (self.last, state.final)):
+                    if k in data:
+                        bound(data[k], ends, data[k].value)
         for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
             self._fill(component, name, mesh.collocated.tolist(), variable.bounds, guess)
 
@@ -142,6 +142,13 @@ class PhaseBuilder:
             if upper is not None:
                 variable.setub(upper)
         return data
+
+    def points(self, name: str, points: np.ndarray) -> Any:
+        """The Set of some points; the one of all points, which Pyomo need not store, if they are all."""
+        if len(points) == self.last + 1:
+            return self.block.point
+        self.block.add_component(name, Set(initialize=points.tolist()))
+        return self.block.component(name)
 
     def data(self, name: str, index, values: np.ndarray) -> None:
         self.block.add_component(name, Param(index, initialize=dict(zip(index, values.tolist(), strict=True))))
@@ -163,9 +170,12 @@ class PhaseBuilder:
         block = self.block
         makers = {name: (block.x, name) for name in states}
         makers |= {name: (component, name) for component, name in self.inputs if inputs}
-        values = _Values(makers, k, lambda: block.t0 + self.duration * block.fraction[k])
+        values = _Values(makers, k, self._time)
         values.update(self.p)
         return values
+
+    def _time(self, k) -> Any:
+        return self.block.t0 + self.duration * self.block.fraction[k]
 
     def _ends(self) -> dict:
         """The values at both ends of the phase, by names such as "q1[final]"."""

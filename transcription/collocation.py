@@ -35,16 +35,17 @@ class CollocationBuilder(PhaseBuilder):
         self.kept = np.setdiff1d(self.mesh.slot_points, gone)
         self.explicit = np.setdiff1d(self.mesh.collocated, gone)
 
-    def stored(self) -> dict[str, np.ndarray]:
-        return dict.fromkeys(self.names, self.kept)
+    def stored(self) -> tuple[list[str], np.ndarray]:
+        return self.names, self.kept
 
     def variables(self, guess) -> None:
         super().variables(guess)
         block, mesh = self.block, self.mesh
-        block.explicit = Set(initialize=self.explicit.tolist())
-        self.data("weight", block.explicit, mesh.weights[self.explicit])
-        self.data("first", block.segment, mesh.first)
+        self.explicit_set = self.points("explicit", self.explicit)
+        self.data("weight", self.explicit_set, mesh.weights[self.explicit])
         self.data("width", block.segment, mesh.widths)
+        if (mesh.degrees != mesh.degrees[0]).any():
+            self.data("first", block.segment, mesh.first)
         self.members = [self._set_of(f"segment{i}", g.segments) for i, g in enumerate(mesh.groups)]
 
     def _set_of(self, name: str, segments: np.ndarray):
@@ -57,6 +58,11 @@ class CollocationBuilder(PhaseBuilder):
         self.owners[id(over)] = segments
         return over
 
+    def _first(self, s):
+        """The first point of segment s: an expression of s on a mesh of one degree, data of the segment otherwise."""
+        degrees = self.mesh.degrees
+        return int(degrees[0]) * s if (degrees == degrees[0]).all() else self.block.first[s]
+
     def h(self, s):
         return self.duration * self.block.width[s]
 
@@ -65,7 +71,7 @@ class CollocationBuilder(PhaseBuilder):
         places = [
             Place(
                 name="",
-                over=block.explicit,
+                over=self.explicit_set,
                 values=lambda k: self.at(k, self.names),
                 weight=lambda k: self.duration * block.weight[k],
                 points=self.explicit,
@@ -92,8 +98,8 @@ class CollocationBuilder(PhaseBuilder):
     def end_values(self, last: bool) -> dict:
         """The states at the end, and the inputs there: extrapolated where the end is no collocation point."""
         k = self.last if last else 0
-        values = self.at(k, self.names, inputs=k in self.block.collocated)
-        if k not in self.block.collocated:
+        values = self.at(k, self.names, inputs=k in self.mesh.collocated)
+        if k not in self.mesh.collocated:
             scheme, tau = self.mesh.schemes[-1 if last else 0], float(last)
             weights = scheme.interpolant(np.array([tau])).U[0]
             points = self.mesh.first[-1 if last else 0] + np.array(scheme.collocated)
@@ -128,7 +134,7 @@ class CollocationBuilder(PhaseBuilder):
 
     def _nodes(self, scheme, s) -> list[dict]:
         """The values at the nodes of segment s; eliminated states are expressions of the others."""
-        eliminated, first = dict(scheme.eliminated), self.block.first[s]
+        eliminated, first = dict(scheme.eliminated), self._first(s)
         nodes = [
             self.at(first + i, () if i in eliminated else self.names, inputs=i in scheme.collocated)
             for i in range(len(scheme.sigma))

@@ -27,7 +27,12 @@ from .transcribe import Layout, Transcription
 
 
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
-    """lambda for each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state."""
+    """lambda for each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
+
+    Shooting has them from the same definition, by the adjoint of its simulation.
+    """
+    if transcription.model is None:
+        return nlp.costates(outcome)
     return [
         transcription.problem.sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases
     ]

@@ -20,6 +20,7 @@ from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(3, 9)  # 8 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
+INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 
@@ -54,7 +55,7 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
     """Romberg quadrature of |epsilon| over every segment, shape (n_x, N), refined where it has not converged."""
     eta = np.full((len(trajectory.phase.states), trajectory.mesh.segments), np.nan)
     for group in trajectory.mesh.groups:
-        breaks = np.union1d(group.scheme.c, [0.0, 1.0])
+        breaks = group.scheme.sigma
         pieces = list(zip(breaks[:-1], breaks[1:], strict=True))
         open_ = group.segments
         for level in ROMBERG_LEVELS:
@@ -72,7 +73,8 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
 
 def _piece(trajectory: Trajectory, segments: np.ndarray, a: float, b: float, level: int) -> np.ndarray:
     """|epsilon| at 2^level + 1 equally spaced times of the piece [a, b] of G segments: (n_x, G, 2^level + 1)."""
-    tau = np.linspace(a, b, 2**level + 1)
+    inset = INSET * (b - a)
+    tau = np.linspace(a + inset, b - inset, 2**level + 1)
     return np.abs(_epsilon(trajectory, trajectory.grid(segments, tau)))
 
 

@@ -41,8 +41,8 @@ class DifferenceBuilder(PhaseBuilder):
     def dt(self):
         return self.duration * (1.0 / self.last)
 
-    def stored(self) -> dict[str, np.ndarray]:
-        return {position.name: np.arange(self.last + 1) for position, _ in self.pairs}
+    def stored(self) -> tuple[list[str], np.ndarray]:
+        return [position.name for position, _ in self.pairs], np.arange(self.last + 1)
 
     def variables(self, guess) -> None:
         super().variables(guess)

@@ -128,6 +128,10 @@ class Scheme:
         X[:, 0] = 1
         return Interpolant(X, integrated_basis(self.c, tau), np.zeros_like(X), basis, basis)
 
+    def costate_basis(self, tau: np.ndarray) -> np.ndarray:
+        """Weights of the costates at the state nodes for those at tau, shape (m, d + 1): one polynomial."""
+        return lagrange_basis(self.sigma, tau)
+
 
 @dataclass(frozen=True, eq=False)
 class FiniteDifference:

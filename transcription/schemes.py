@@ -14,17 +14,21 @@ from functools import cache
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
+from ..problems.procedure import MAX_SUBSTEPS
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
+from .runge_kutta import CONTROLS, TABLES, Shooting, Table
 from .scheme import FiniteDifference, Scheme
 
 MAX_DEGREE = 60
 DEFAULT_DEGREE = 4
+DEFAULT_SUBSTEPS = 1
 INTEGRAL_DEGREE = 3  # up to here the integral form has few enough dynamics in a defect to be the cheaper one
 
 
 @dataclass(frozen=True)
 class Method:
-    """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree.
+    """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree; table: of
+    a shooting method.
 
     ends: which ends of a segment are collocated. order: in words, n being the degree.
     """
@@ -36,10 +40,13 @@ class Method:
     source: str
     nodes: Callable[[int], np.ndarray] | None = None
     scheme: Scheme | FiniteDifference | None = None
+    table: Table | None = None
 
     @property
     def state(self) -> str:
         """The degree of the state's interpolant, in words."""
+        if self.table is not None:
+            return self.shooting().state_interpolant
         if self.scheme is not None:
             return self.scheme.state_interpolant
         return "n + 1" if self.ends == "both" else "n"
@@ -47,13 +54,17 @@ class Method:
     @property
     def control(self) -> str:
         """The degree of the control's interpolant, in words."""
+        if self.table is not None:
+            return ", ".join(str(len(CONTROLS[control]) - 1) for control in self.table.controls)
         if self.scheme is not None:
             return self.scheme.control_interpolant
         return "n" if self.ends == "both" else "n - 1"
 
     def of_degree(self, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
         """The scheme; raises SpecError for a degree or a form that it does not have."""
-        if self.scheme is not None:
+        if self.table is not None and degree is None and form is None:
+            return self.shooting()
+        if self.scheme is not None or self.table is not None:
             if degree is not None or form is not None:
                 what = f"'{self.name}' has one degree and one form"
                 raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
@@ -62,6 +73,28 @@ class Method:
         if not 1 <= degree <= MAX_DEGREE:
             raise SpecError(Mistake("mesh.degree", f"degree {degree} is out of range", f"write 1 to {MAX_DEGREE}"))
         return _orthogonal(self, degree, form or ("integral" if degree <= INTEGRAL_DEGREE else "differential"))
+
+    def shooting(self, substeps: int | None = None, control: str | None = None) -> Shooting:
+        """The scheme of a shooting method; raises SpecError for substeps or a control that it does not have."""
+        if self.table is None:
+            key = "substeps" if substeps is not None else "control"
+            what = f"'{self.name}' is no shooting method: it has no substeps and one control polynomial"
+            raise SpecError(Mistake(f"mesh.{key}", what, f"leave {key}: out, or take runge-kutta-4"))
+        substeps = DEFAULT_SUBSTEPS if substeps is None else substeps
+        if not 1 <= substeps <= MAX_SUBSTEPS:
+            what = f"{substeps} substeps are out of range"
+            raise SpecError(Mistake("mesh.substeps", what, f"write 1 to {MAX_SUBSTEPS}"))
+        control = self.table.controls[-1] if control is None else control
+        if control not in self.table.controls:
+            what = f"'{self.name}' cannot have {control} controls: it evaluates too few of their nodes"
+            raise SpecError(Mistake("mesh.control", what, "write " + " or ".join(self.table.controls)))
+        return _shooting(self.table, substeps, control)
+
+
+@cache
+def _shooting(table: Table, substeps: int, control: str) -> Shooting:
+    """One object for one scheme: segments are grouped by it."""
+    return Shooting(table, substeps, control)
 
 
 # -- orthogonal collocation (paper, 9.7 and appendix D) ------------------------------------------------------------
@@ -186,6 +219,10 @@ def _fixed(scheme: Scheme | FiniteDifference, ends: str) -> Method:
     return Method(scheme.name, scheme.family, ends, str(scheme.order), scheme.source, scheme=scheme)
 
 
+def _simulated(table: Table) -> Method:
+    return Method(table.name, "shooting", "-", str(table.order), table.source, table=table)
+
+
 def _low_order(name: str, nodes, ends: str, source: str) -> Method:
     """The lowest member of a family under its own name."""
     scheme = _orthogonal(Method(name, "one point", ends, "", source, nodes=nodes), 1, "integral")
@@ -207,15 +244,23 @@ METHODS = {
         Method("lobatto", "Legendre-Gauss-Lobatto", "both", "2n", _LEGENDRE, nodes=lobatto),
         Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1 or n + 2",
                "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev),
+        *map(_simulated, TABLES),
         _fixed(FINITE_DIFFERENCE, "both"),
     )
 }  # fmt: skip
 
 
-def find(name: str, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
-    """The scheme of that name and degree; raises SpecError with the nearest names otherwise."""
+def find(
+    name: str,
+    degree: int | None = None,
+    form: str | None = None,
+    substeps: int | None = None,
+    control: str | None = None,
+) -> Scheme | FiniteDifference | Shooting:
+    """The scheme of that name and degree, or substeps and control; raises SpecError with the nearest names otherwise."""
     if name in METHODS:
-        return METHODS[name].of_degree(degree, form)
+        scheme = METHODS[name].of_degree(degree, form)
+        return scheme if substeps is None and control is None else METHODS[name].shooting(substeps, control)
     near = get_close_matches(name, METHODS, n=1, cutoff=0.3)
     hint = f"did you mean '{near[0]}'? " if near else ""
     raise SpecError(Mistake("method", f"there is no method '{name}'", hint + "'trajopt methods' lists them all"))

@@ -22,10 +22,11 @@ from .mesh import Mesh
 from .outcome import Outcome, Status
 from .refine import MERGING_MESHES, refine, relative_error
 from .scaling import scale
+from .runge_kutta import Shooting
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
-from .transcribe import Transcription, transcribe
+from .transcribe import Transcription, compiled, transcribe
 from .warm import Solved, warm_start
 
 
@@ -34,6 +35,7 @@ class Step:
     """One entry of the mesh schedule: a method, a number of segments or their relative widths, the engine's tolerance.
 
     degree: of a family of methods, one for all segments or one for each. form: of its defects, "integral" or "differential".
+    substeps: on each segment, and control: polynomial on each substep, of a shooting method.
     """
 
     method: str
@@ -41,17 +43,20 @@ class Step:
     tolerance: float
     degree: int | Sequence[int] | None = None
     form: str | None = None
+    substeps: int | None = None
+    control: str | None = None
 
     def mesh(self) -> Mesh:
         if self.degree is None or isinstance(self.degree, int):
-            return Mesh.of(find(self.method, self.degree, self.form), self.segments)
+            return Mesh.of(find(self.method, self.degree, self.form, self.substeps, self.control), self.segments)
         widths = np.ones(len(self.degree)) if isinstance(self.segments, int) else np.asarray(self.segments)
         return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
 
 
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
     """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
-    return [Step(entry.method, entry.segments, entry.tolerance, entry.degree, entry.form) for entry in schedule]
+    keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
+    return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
 
 
 @dataclass(frozen=True)
@@ -188,8 +193,8 @@ def _solve_mesh(
     began = time.perf_counter()
     transcription = transcribe(problem, meshes, guess)
     built = time.perf_counter()
-    nlp = CompiledNLP(transcription.model, transcription.variables)
-    compiled = time.perf_counter()
+    nlp = compiled(transcription)
+    ready = time.perf_counter()
     z, lower, upper = bounded_start(transcription)
     start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
     options = {"tol": tolerance, **settings.options}
@@ -197,7 +202,7 @@ def _solve_mesh(
     outcome = settings.run()(nlp, z, lower, upper, options, start=start, scaling=scaling, **callbacks)
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
-    if all(isinstance(scheme, Scheme) for phase in phases for scheme in phase.mesh.schemes):
+    if all(isinstance(scheme, Scheme | Shooting) for phase in phases for scheme in phase.mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
     errors = tuple(map(error_profile, phases))
@@ -209,9 +214,9 @@ def _solve_mesh(
         "build": built - began,
         "differentiate": nlp.seconds["differentiate"],
         "compile": nlp.seconds["compile"],
-        "assemble": compiled - built - nlp.seconds["differentiate"] - nlp.seconds["compile"],
+        "assemble": ready - built - nlp.seconds["differentiate"] - nlp.seconds["compile"],
         "evaluate": nlp.seconds["evaluate"],
-        "linear algebra": ended - compiled - nlp.seconds["evaluate"],
+        "linear algebra": ended - ready - nlp.seconds["evaluate"],
         "error": time.perf_counter() - ended,
     }
     solution = replace(solution, meshes=(_record(tolerance, solution, nlp, seconds),))

@@ -19,7 +19,7 @@ import numpy as np
 from ..problems.problem import Phase
 from .finite_difference import velocities
 from .mesh import Mesh
-from .polynomials import lagrange_basis
+from .runge_kutta import Shooting, simulate
 from .scheme import FiniteDifference
 from .transcribe import Layout, Transcription
 
@@ -115,9 +115,8 @@ class Trajectory:
             x[:, here] = combine(nodes, X) + h[lift] * combine(f, F)
             dx[:, here] = combine(nodes, dX) / h[lift] + combine(f, dF)
             u[:, here] = combine(self.u[:, group.collocated[row]], U)
-            if costate is not None:  # the polynomial through the costates at the segment's state nodes
-                basis = lagrange_basis(group.scheme.sigma, own)
-                costate[:, here] = combine(self.costate[:, group.slots[row]], basis)
+            if costate is not None:
+                costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
         return Sample(t, x, u, dx, costate)
 
     @property
@@ -173,6 +172,8 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
             if state.velocity_of:
                 x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
         return trajectory
+    if isinstance(mesh.schemes[0], Shooting):
+        simulate(trajectory)
     _fill_eliminated(trajectory)
     _extrapolate_inputs(trajectory)
     return trajectory

@@ -22,6 +22,7 @@ from .builder import Family, bound
 from .collocation import CollocationBuilder
 from .finite_difference import DifferenceBuilder
 from .mesh import Mesh
+from .runge_kutta import Shooting
 from .scheme import FiniteDifference
 from .templates import templated
 
@@ -47,10 +48,10 @@ class Layout:
 
 @dataclass(frozen=True)
 class Transcription:
-    """A Pyomo model, its free variables in the order of z, and what stands where."""
+    """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""
 
     problem: Problem
-    model: ConcreteModel
+    model: ConcreteModel | None
     variables: tuple
     phases: tuple[Layout, ...]
     parameters: np.ndarray
@@ -66,6 +67,8 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
     """
     _check_size(problem, meshes)
     guess = guess or [phase.guess for phase in problem.phases]
+    if isinstance(meshes[0].schemes[0], Shooting):
+        return _transcribe_shooting(problem, meshes, guess, templates)
     model = ConcreteModel(problem.name)
     if problem.parameters:  # Pyomo's LaTeX printer fails on a component without members
         model.p = Var([p.name for p in problem.parameters])
@@ -83,6 +86,26 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
             builder.constraints()
         model.cost = Objective(rule=lambda m: problem.sense * sum(builder.cost() for builder in builders))
     return _lay_out(problem, model, builders)
+
+
+def _transcribe_shooting(problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool) -> Transcription:
+    from .shooting import transcribe as transcribe_shooting
+
+    if not templates:
+        what = "a simulation has no equations to write down, so a shooting method cannot be exported"
+        raise SpecError(Mistake("mesh", what, "export with another method, as --method hermite-simpson"))
+    return transcribe_shooting(problem, meshes, guess)
+
+
+def compiled(transcription: Transcription):
+    """The nonlinear program of a transcription: a CompiledNLP, or a ShootingNLP with the same callbacks."""
+    if transcription.model is None:
+        from .shooting_nlp import ShootingNLP
+
+        return ShootingNLP(transcription)
+    from .compiler import CompiledNLP
+
+    return CompiledNLP(transcription.model, transcription.variables)
 
 
 def _builder(mesh: Mesh) -> type:
@@ -121,7 +144,7 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Tran
             for i, (component, name) in enumerate(builder.inputs):
                 u[i, k] = place(component, (name, k))
         t = np.array([place(block.t0), place(block.tF)])
-        phases.append(Layout(phase, mesh, x, u, t, builder.owners, id(block.component("explicit"))))
+        phases.append(Layout(phase, mesh, x, u, t, builder.owners, id(getattr(builder, "explicit_set", None))))
     parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
     families = tuple(family for builder in builders for family in builder.families)
     return Transcription(problem, model, tuple(variables), tuple(phases), parameters, families)

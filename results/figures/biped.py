@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...problems.models.five_link_biped import LINKS, Motion, Walker, combine
@@ -19,6 +20,9 @@ from .example import Example, Picture, Run, Solutions, Solved, draw, grid, large
 
 TABLE, SUPPLEMENT = "biped", "biped_supplement"
 POSES = 10
+SPREAD = 0.3
+"""Metres by which each pose of Figure 13 stands to the right of the one before, so that legs do not hide legs."""
+
 POSE_TIME = 0.85  # part of the step at which Figure 20 shows the walker
 
 _ONE_MESH = "mesh=[{{method: {}, segments: {}, tolerance: 1.0e-8}}]"
@@ -82,8 +86,9 @@ def _foot_height(step: Solved) -> np.ndarray:
 
 
 def poses(walker: str, solved: Solutions) -> Figure:
-    figure, ((ax,),) = grid([3.4], 1, 6.2)
-    stop_action(ax, solved[walker].result, POSES, by_part=True)
+    figure, ((ax,),) = grid([2.7], 1, 6.6)
+    stop_action(ax, solved[walker].result, POSES, by_part=True, spread=SPREAD)
+    ax.set_xlabel(f"x [m], each pose {SPREAD:g} m to the right of the one before")
     return figure
 
 
@@ -109,8 +114,6 @@ def error(walker: str, solved: Solutions) -> Figure:
     return figure
 
 
-
-
 def kinematics(solved: Solutions) -> Figure:
     """The walker of Table 4 at one time of its step, with P_i and G_i."""
     step = solved[TABLE]
@@ -123,12 +126,8 @@ def kinematics(solved: Solutions) -> Figure:
     for chain in ([0, 1, 2, 3], [2, 4, 5]):
         ax.plot(*P[chain].T, color=GREY, linewidth=5, alpha=0.6, solid_capstyle="round", zorder=1)
     ax.axhline(0, color=BLACK, linewidth=1)
-    for points, letter, what, mark, colour in ((P, "P", "joints", "o", BLUE), (G, "G", "centres of mass", "D", VERMILION)):
-        ax.plot(*points.T, mark, color=colour, markersize=8, label=f"{what} ${letter}_i$", zorder=3)
-        for i, point in enumerate(points, start=len(points) == 5):
-            side = 1 if i > 3 else -1  # the swing leg is in front
-            place = {"xytext": (side * 10, 0), "textcoords": "offset points", "ha": "right" if side < 0 else "left"}
-            ax.annotate(f"${letter}_{i}$", point, va="center", fontsize=12, color=colour, **place)
+    _draw_points(ax, P, "P", 0, "joints", marker="o", color=BLUE)
+    _draw_points(ax, G, "G", 1, "centres of mass", marker="D", color=VERMILION)
     ax.set_aspect("equal")
     ax.set_xlim(-0.25, 0.75)
     ax.set_ylim(-0.08, 1.48)
@@ -136,6 +135,15 @@ def kinematics(solved: Solutions) -> Figure:
     ax.set_ylabel("y [m]")
     ax.legend(loc="upper left")
     return figure
+
+
+def _draw_points(ax: Axes, points: np.ndarray, letter: str, first: int, what: str, *, marker: str, color: str) -> None:
+    """Points with their names; those of the swing leg, which is in front, at its right."""
+    ax.plot(*points.T, marker, color=color, markersize=8, label=f"{what} ${letter}_i$", zorder=3)
+    for i, point in enumerate(points, start=first):
+        side, align = (1, "left") if i > 3 else (-1, "right")
+        place = {"xytext": (10 * side, 8 if point[1] == 0 else 0), "textcoords": "offset points"}
+        ax.annotate(f"${letter}_{i}$", point, ha=align, va="center", fontsize=12, color=color, **place)
 
 
 _PAPER = "The paper: 29 iterations in 0.96 s, then 56 iterations in 21.3 s"
@@ -146,23 +154,25 @@ def _pictures(walker: str, suffix: str, which: str) -> tuple[Picture, ...]:
         Picture(
             f"fig13{suffix}_{walker}_stop_action",
             f"Figure 13{suffix}. One step as a stop-action picture, {which}",
-            f"{POSES} poses at equal steps of time; earlier ones are paler. The stance leg is dashed and red, the swing leg "
-            f"blue, the torso purple; the grey line is the path of the swing foot. Hermite-Simpson collocation, first "
-            f"5 segments with tolerance 1e-3, then 25 with 1e-6: {{{walker}}}. {_PAPER}.",
+            f"{POSES} poses at equal steps of time, from left to right; earlier ones are paler, and each stands "
+            f"{SPREAD:g} m further to the right than it would, so that legs do not hide legs. The stance leg is "
+            f"dashed and red, the swing leg blue, the torso purple. Hermite-Simpson collocation, first 5 segments "
+            f"with tolerance 1e-3, then 25 with 1e-6: {{{walker}}}. {_PAPER}.",
             partial(poses, walker),
         ),
         Picture(
             f"fig14{suffix}_{walker}_trajectory",
             f"Figure 14{suffix}. Angles and torques of the step, {which}",
-            "Absolute angles of the links and torques of the joints over time; circles mark the knots of the 25 segments. "
-            "Forward leaning angles are negative. The torque of the stance ankle is zero by definition and is not drawn.",
+            "Absolute angles of the links and torques of the joints over time; circles mark the knots of the 25 "
+            "segments. Forward leaning angles are negative. The torque of the stance ankle is zero by definition and "
+            "is not drawn.",
             partial(trajectory, walker),
         ),
         Picture(
             f"fig15{suffix}_{walker}_error",
             f"Figure 15{suffix}. How well the step meets the dynamics, {which}",
-            "Left: epsilon, the error of the differential equations of the five angles. Right: eta, its integral over each of "
-            "the 25 segments.",
+            "Left: epsilon, the error of the differential equations of the five angles. Right: eta, its integral "
+            "over each of the 25 segments.",
             partial(error, walker),
         ),
     )
@@ -179,8 +189,9 @@ EXAMPLE = Example(
         Picture(
             "fig20_biped_kinematics",
             "Figure 20. Kinematics of the biped",
-            f"The joints and the centres of mass of the links, with the lengths of Table 4, in the pose of our solution after "
-            f"{POSE_TIME:.0%} of the step. P0 is the stance foot, P2 the hip, P3 the top of the torso, P5 the swing foot.",
+            f"The joints and the centres of mass of the links, with the lengths of Table 4, in the pose of our "
+            f"solution after {POSE_TIME:.0%} of the step. P0 is the stance foot, P2 the hip, P3 the top of the "
+            f"torso, P5 the swing foot.",
             kinematics,
         ),
     ),

@@ -100,9 +100,9 @@ EXAMPLE = Example(
         Picture(
             "fig02_block_trajectories",
             "Figure 2. Feasible and optimal trajectories of the block",
-            "Left: four of the many ways to move the block by 1 m in 1 s from rest to rest; each is the feasible trajectory "
-            "whose force is nearest to a force that we chose. Right: the one with the least integral of force squared, "
-            "x = 3 t^2 - 2 t^3, u = 6 - 12 t. Hermite-Simpson collocation: {block}.",
+            "Left: four of the many ways to move the block by 1 m in 1 s from rest to rest; each is the feasible "
+            "trajectory whose force is nearest to a force that we chose. Right: the one with the least integral of "
+            "force squared, x = 3 t^2 - 2 t^3, u = 6 - 12 t. Hermite-Simpson collocation: {block}.",
             comparison,
         ),
     ),

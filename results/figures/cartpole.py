@@ -83,23 +83,23 @@ EXAMPLE = Example(
         Picture(
             "fig09_cartpole_stop_action",
             "Figure 9. The swing-up as a stop-action picture",
-            f"{FRAMES} frames at equal steps of time, from dark and blue to light and yellow, and the path of the tip of "
-            f"the pole. {_SETTINGS}: {{cartpole}}; the paper: 71 iterations in 5.91 s.",
+            f"{FRAMES} frames at equal steps of time, from dark and blue to light and yellow, and the path of the "
+            f"tip of the pole. {_SETTINGS}: {{cartpole}}; the paper: 71 iterations in 5.91 s.",
             poses,
         ),
         Picture(
             "fig10_cartpole_trajectory",
             "Figure 10. State and control of the swing-up",
-            "Position of the cart, angle of the pole and force on the cart over time. The curves are the cubic and quadratic "
-            "splines of the method; circles mark the knots.",
+            "Position of the cart, angle of the pole and force on the cart over time. The curves are the cubic and "
+            "quadratic splines of the method; circles mark the knots.",
             trajectory,
         ),
         Picture(
             "fig11_cartpole_error",
             "Figure 11. How well the swing-up meets the dynamics",
-            "Left: epsilon, the error of the differential equations of q1 and q2 between the collocation points. Right: eta, "
-            "its integral over each segment. Both peak on segment 11, where the pole swings up fastest and a uniform mesh is "
-            "too coarse.",
+            "Left: epsilon, the error of the differential equations of q1 and q2 between the collocation points. "
+            "Right: eta, its integral over each segment. Both peak on segment 11, where the pole swings up fastest "
+            "and a uniform mesh is too coarse.",
             error,
         ),
     ),

@@ -15,7 +15,7 @@ from ..style import BLACK, BLUE, VERMILION, Frame, Numbers, labelled
 
 @dataclass(frozen=True)
 class Run:
-    """One solve: `trajopt solve PROBLEM --set OVERRIDE ...`, or a problem file given as text, under a name of its own.
+    """One solve: `trajopt solve PROBLEM --set OVERRIDE ...`.
 
     shown: whether a figure shows it; the others are solved only for their numbers.
     """
@@ -23,7 +23,6 @@ class Run:
     problem: str
     overrides: tuple[str, ...] = ()
     shown: bool = False
-    text: str = ""
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ Solutions = Mapping[str, Solved]
 
 @dataclass(frozen=True)
 class Picture:
-    """One figure. number: as in the paper. caption: {name of a run} in it becomes that run's effort."""
+    """One figure. file: its name without a suffix. caption: {name of a run} in it becomes that run's effort."""
 
     file: str
     title: str
@@ -127,9 +126,7 @@ def largest(values: np.ndarray) -> float:
 
 
 def peak(values: np.ndarray) -> float:
-    """The largest magnitude of a smooth curve that is given at equally spaced times: the vertex of a parabola."""
-    size = np.abs(values)
-    k = int(np.clip(size.argmax(), 1, len(size) - 2))
-    before, top, after = size[k - 1 : k + 2]
-    bend = 2 * top - before - after
-    return float(top + (after - before) ** 2 / (8 * bend)) if bend > 0 else float(top)
+    """The largest magnitude of a smooth curve given at equally spaced times: a polynomial through five of them."""
+    k = int(np.clip(np.abs(values).argmax(), 2, len(values) - 3))
+    near = np.arange(-2, 3)
+    return largest(np.polyval(np.polyfit(near, values[k + near], 4), np.linspace(-1, 1, 401)))

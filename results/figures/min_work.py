@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ...problems.stand_ins import SQRT, TANH, smooth_abs
 from ..paper_values import SWITCH, U_MAX, WORK
-from ..style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from ..style import BLACK, BLUE, GREEN, PURPLE, VERMILION
 from .example import Example, Picture, Run, Solutions, Solved, grid, largest, name_time, objectives
 
 ALPHAS = (0.01, 1.0, 5.0)
@@ -121,7 +121,7 @@ _TITLES = {"slack": "slack variables", **{f"tanh {a:g}": rf"tanh, $\alpha$ = {a:
 
 def solutions(name: str, solved: Solutions) -> Figure:
     """One of the curves, for each mesh (rows) and method (columns)."""
-    figure, axes = grid([1.35] * len(DRAWN), len(METHODS), 1.75, down=0.62, across=0.2, top=0.85, left=0.8)
+    figure, axes = grid([1.35] * len(DRAWN), len(METHODS), 1.75, down=0.42, across=0.2, top=0.85, left=0.8)
     for row, n in zip(axes, DRAWN, strict=True):
         for ax, method in zip(row, METHODS, strict=True):
             run = solved[name_of(method, n)]
@@ -147,7 +147,8 @@ def _draw_solution(ax: Axes, run: Solved, name: str, colour: str) -> None:
     ax.plot(run.phase.dense_time, run.curve(name).dense, color=colour, linewidth=1.7)
     ax.plot(t, exact(t)[name], color=BLACK, linestyle=(0, (4, 2)), linewidth=1.0, zorder=3)
     ax.margins(x=0.03)
-    ax.set_ylim(*{"u": (-1.12 * U_MAX, 1.12 * U_MAX), "v": (-0.1, 2.1)}[name])
+    ax.set_xticks([0, 0.5, 1])
+    ax.set_ylim(*{"u": (-1.12 * U_MAX, 1.12 * U_MAX), "v": (-0.08, 1.45)}[name])
 
 
 # -- the table ------------------------------------------------------------------------------------------------------
@@ -169,9 +170,9 @@ def _plain(method: str) -> str:
 
 
 _SETTING = (
-    f"Rows: {', '.join(map(str, DRAWN))} segments. Columns: slack variables, and tanh smoothing with alpha = 0.01, 1 and 5. "
-    f"Solid: computed; dashed: the analytic solution (8.5). The paper does not tell its u_max and its meshes: u_max = "
-    f"{U_MAX:g} N and the meshes were chosen by us. All solves start from the same guess (8.6)-(8.8)."
+    f"Rows: {', '.join(map(str, DRAWN))} segments. Columns: slack variables, and tanh smoothing with alpha = 0.01, 1 "
+    f"and 5. Solid: computed; dashed: the analytic solution (8.5). The paper does not tell its u_max and its meshes: "
+    f"u_max = {U_MAX:g} N and the meshes were chosen by us. All solves start from the same guess (8.6)-(8.8)."
 )
 
 EXAMPLE = Example(
@@ -184,15 +185,16 @@ EXAMPLE = Example(
         Picture(
             "fig16_smoothing",
             "Figure 16. Two smooth approximations of |x|",
-            "Left: x tanh(x/alpha), (8.12), always below |x|. Right: sqrt(x^2 + beta^2), (8.13), always above. Below: their "
-            "errors. Drawn by the functions that the solver puts in the place of abs().",
+            "Left: x tanh(x/alpha), (8.12), always below |x|. Right: sqrt(x^2 + beta^2), (8.13), always above. "
+            "Below: their errors. Drawn by the functions that the solver puts in the place of abs().",
             smoothing,
         ),
         Picture(
             "fig17_min_work_force",
             "Figure 17. Minimum work by slack variables and by smoothing: force",
-            f"{_SETTING} Slack variables and light smoothing give nearly the same force; heavier smoothing is solved faster and "
-            "is less accurate. Other than FMINCON in the paper, IPOPT takes more time for light smoothing than for slack variables.",
+            f"{_SETTING} Slack variables and light smoothing give nearly the same force; heavier smoothing is solved "
+            f"faster and is less accurate. Other than FMINCON in the paper, IPOPT takes more time for light "
+            f"smoothing than for slack variables.",
             partial(solutions, "u"),
         ),
         Picture(

@@ -55,7 +55,7 @@ def trajectory(solved: Solutions) -> Figure:
         last.semilogy(t, np.maximum(_difference(solved, name), 1e-17), color=colour, linestyle=style, label=name)
     last.axhline(1e-8, color=BLACK, linestyle=":", linewidth=0.9)
     last.set_ylabel("|IPOPT − Newton|")
-    last.legend(loc="center right", ncols=2)
+    last.legend(loc="center", ncols=2, bbox_to_anchor=(0.5, 0.28))
     name_time(axes)
     return figure
 
@@ -75,16 +75,17 @@ EXAMPLE = Example(
         Picture(
             "pendulum_trajectory",
             "The driven pendulum",
-            "From hanging at rest to level at rest in 1 s with the least torque squared: angle, rate and torque at 1001 points, "
-            "one millisecond apart, by second-order finite differences. Newton's method on the KKT system: {pendulum}; IPOPT on "
-            "the same equations: {pendulum_ipopt}. The last panel shows how far the two solutions are apart; they must agree "
-            "to 1e-8 (dotted).",
+            "From hanging at rest to level at rest in 1 s with the least torque squared: angle, rate and torque at "
+            "1001 points, one millisecond apart, by second-order finite differences. Newton's method on the KKT "
+            "system: {pendulum}; IPOPT on the same equations: {pendulum_ipopt}. The last panel shows how far the two "
+            "solutions are apart; they must agree to 1e-8 (dotted). The torque jumps at its ends because the "
+            "introduction's listing has other equations there.",
             trajectory,
         ),
         Picture(
             "pendulum_stop_action",
             "The driven pendulum as a stop-action picture",
-            f"{FRAMES} frames at equal steps of time, from dark to light: it swings back before it swings up.",
+            f"{FRAMES} frames at equal steps of time, from dark to light.",
             poses,
         ),
     ),

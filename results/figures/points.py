@@ -21,7 +21,7 @@ MARKERS = {"Gauss": "o", "Radau": "s", "Lobatto": "D"}
 
 def function(t: np.ndarray) -> np.ndarray:
     """The curve that is interpolated on [-1, 1]."""
-    return np.sin(3.2 * t + 0.5) + 0.5 * np.cos(6 * t)
+    return np.sin(2.6 * t + 0.4) + 0.3 * np.cos(4.5 * t)
 
 
 def interpolant(name: str, t: np.ndarray) -> np.ndarray:
@@ -59,11 +59,11 @@ def three_sets(solved: Solutions) -> Figure:
         ax.plot(t, function(t), color=BLACK, linestyle="--", linewidth=1.3, label="function")
         ax.plot(t, interpolant(name, t), color=COLOURS[name], linewidth=1.8, label="interpolant")
         ax.plot(points, function(points), MARKERS[name], color=COLOURS[name], markersize=6, zorder=3)
-        ax.plot(points, np.full_like(points, -2.15), MARKERS[name], color=COLOURS[name], markersize=5, clip_on=False)
-        ax.axhline(-2.15, color=BLACK, linewidth=0.8, zorder=1)
+        ax.plot(points, np.full_like(points, -1.75), MARKERS[name], color=COLOURS[name], markersize=5, clip_on=False)
+        ax.axhline(-1.75, color=BLACK, linewidth=0.8, zorder=1)
         ax.set_title(name, loc="left")
         ax.set_title(f"error {largest(interpolant(name, t) - function(t)):.2g}", loc="right", fontsize="small")
-        ax.set_ylim(-2.4, 2.1)
+        ax.set_ylim(-2.0, 2.0)
         ax.set_xlabel("$t$")
         ax.legend(loc="upper left", fontsize=7.5)
     for ax in row[1:]:
@@ -81,9 +81,10 @@ EXAMPLE = Example(
         Picture(
             "fig19_collocation_points",
             "Figure 19. Gauss, Radau and Lobatto points",
-            "The three sets for the Legendre polynomial of degree four: without the ends, with one, with both. The dashed curve "
-            "is the same in each panel (chosen by us); the solid one is its barycentric interpolant by the four points, which "
-            "are repeated on the line below. Points and interpolants are those of the solver's schemes.",
+            "The three sets for the Legendre polynomial of degree four: without the ends, with one, with both. The "
+            "dashed curve is the same in each panel (chosen by us); the solid one is its barycentric interpolant by "
+            "the four points, which are repeated on the line below. Points and interpolants are those of the "
+            "solver's schemes.",
             three_sets,
         ),
     ),

@@ -13,7 +13,7 @@ from ..style import BLACK, BLUE, ORANGE, VERMILION, Numbers
 from .example import Example, Picture, Solutions, grid
 
 EDGES = np.linspace(0, 1, 7)
-TOLERANCE = 0.03
+TOLERANCE = 0.015
 MOST = 4  # subsegments of a segment
 FINE = np.linspace(0, 1, 101)
 
@@ -55,7 +55,8 @@ def subdividing(solved: Solutions) -> Figure:
     figure, axes = grid([2.1, 1.3], 2, 3.2, down=0.25, across=0.3)
     refined, counts = subdivide(EDGES, TOLERANCE)
     top = 1.1 * peak_errors(EDGES).max()
-    for (above, below), edges, title in zip(zip(*axes, strict=True), (EDGES, refined), ("before", "after"), strict=True):
+    for i, (edges, title) in enumerate(((EDGES, "before"), (refined, "after"))):
+        above, below = axes[0][i], axes[1][i]
         _draw_spline(above, edges)
         above.set_title(f"{title}: {len(edges) - 1} segments", loc="left")
         below.stairs(peak_errors(edges), edges, fill=True, color=ORANGE, edgecolor=BLACK, linewidth=0.6)
@@ -92,10 +93,11 @@ EXAMPLE = Example(
         Picture(
             "fig07_mesh_refinement",
             "Figure 7. Refinement by subdividing segments",
-            "A linear spline before and after one refinement. The numbers above the errors are those of the subsegments, 1 to "
-            f"{MOST}, which the peak error of each segment determines: as many as bring it below the tolerance (dashed), since "
-            "the error falls as the square of the width. Function, mesh and tolerance were chosen by us. "
-            "('trajopt solve --refine' takes eta for the error, and may raise the degree instead.)",
+            f"A linear spline before and after one refinement. The numbers above the errors are those of the "
+            f"subsegments, 1 to {MOST}, which the peak error of each segment determines: as many as bring it below "
+            f"the tolerance (dashed) where the error falls as the square of the width, as it does on short segments. "
+            f"Function, mesh and tolerance were chosen by us. ('trajopt solve --refine' takes eta for the error, and "
+            f"may raise the degree instead.)",
             subdividing,
         ),
     ),

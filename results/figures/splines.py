@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...transcription.schemes import HERMITE_SIMPSON, TRAPEZOID
 from ...transcription.scheme import Scheme
+from ...transcription.schemes import HERMITE_SIMPSON, TRAPEZOID
 from ..style import BLACK, BLUE, GREEN, GREY, VERMILION
 from .example import Example, Picture, Solutions, grid, largest
 
@@ -93,7 +93,7 @@ def _approximation(scheme: Scheme, name: str) -> Figure:
     ax.set_title(f"{SEGMENTS} segments, largest error {_error(scheme):.2g}", loc="left")
     ax.set_xlabel("$t$")
     ax.set_ylabel("$f(t)$")
-    ax.legend(loc="upper right")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.56, 1.0))
     return figure
 
 
@@ -127,22 +127,26 @@ def _segment(scheme: Scheme, u: np.ndarray, f: np.ndarray) -> Figure:
     for c, slope, value in zip(scheme.c, f, at, strict=True):
         run = np.array([-0.14, 0.14])
         right.plot(c + run, value + slope * run, color=GREEN, linewidth=1.4, zorder=3)
-    for ax, values, symbol in ((left, u, "u"), (right, at, "x")):
-        _name_points(ax, scheme.c, values, [f"${symbol}_{{{name}}}$" for name in names])
+    for ax, values, symbol, last in ((left, u, "u", ((8, 6), "left")), (right, at, "x", ((-8, 8), "right"))):
+        _name_points(ax, scheme.c, values, [f"${symbol}_{{{name}}}$" for name in names], last)
         ax.set_xticks(scheme.c, [f"$t_{{{name}}}$" for name in names])
         ax.set_xlim(-0.25, 1.25)
         ax.set_yticks([])
         ax.margins(y=0.25)
-    for c, slope, value, name in zip(scheme.c, f, at, names, strict=True):
-        right.annotate(f"slope $f_{{{name}}}$", (c, value), (10, -14), textcoords="offset points", color=GREEN, fontsize=8)
+    for c, value, name in zip(scheme.c, at, names, strict=True):
+        right.annotate(
+            f"slope $f_{{{name}}}$", (c, value), (10, -14), textcoords="offset points", color=GREEN, fontsize=8
+        )
     return figure
 
 
-def _name_points(ax: Axes, c: np.ndarray, values: np.ndarray, names: list[str]) -> None:
+def _name_points(ax: Axes, c: np.ndarray, values: np.ndarray, names: list[str], last: tuple) -> None:
+    """last: offset and alignment of the name of the last point."""
     ax.vlines(c, 0, 1, transform=ax.get_xaxis_transform(), color=GREY, linewidth=0.6, linestyle=":", zorder=1)
     ax.plot(c, values, "o", color=BLACK, markersize=6, zorder=4)
     for t, value, name in zip(c, values, names, strict=True):
-        ax.annotate(name, (t, value), (-6, 7), textcoords="offset points", ha="right", fontsize=11)
+        offset, align = {0.0: ((-6, 7), "right"), 0.5: ((0, 11), "center")}.get(t, last)
+        ax.annotate(name, (t, value), offset, textcoords="offset points", ha=align, fontsize=11)
 
 
 EXAMPLE = Example(
@@ -154,29 +158,31 @@ EXAMPLE = Example(
         Picture(
             "fig03_linear_spline",
             "Figure 3. A function and a linear spline",
-            "How trapezoidal collocation sees controls and dynamics: straight lines between the knots, which are also its "
-            "collocation points.",
+            "How trapezoidal collocation sees controls and dynamics: straight lines between the knots, which are "
+            "also its collocation points.",
             linear,
         ),
         Picture(
             "fig04_trapezoid_segment",
             "Figure 4. One segment of trapezoidal collocation",
-            "The control is linear, (3.7); the state has the slopes f at the knots and a slope that is linear between them, so "
-            "it is quadratic, (3.10). Both curves are drawn by the interpolants that the solver uses.",
+            "The control is linear, (3.7); the state has the slopes f at the knots and a slope that is linear "
+            "between them, so it is quadratic, (3.10). Both curves are drawn by the interpolants that the solver "
+            "uses.",
             trapezoid_segment,
         ),
         Picture(
             "fig05_quadratic_spline",
             "Figure 5. The same function and a quadratic spline",
-            "As Figure 3, with as many segments, but each has a collocation point in its middle too, as in Hermite-Simpson "
-            "collocation; the error is far smaller.",
+            "As Figure 3, with as many segments, but each has a collocation point in its middle too, as in "
+            "Hermite-Simpson collocation; the error is far smaller.",
             quadratic,
         ),
         Picture(
             "fig06_hermite_simpson_segment",
             "Figure 6. One segment of Hermite-Simpson collocation",
-            "The control is quadratic, (4.10), through both knots and the midpoint; the state has the slopes f at all three, so "
-            "it is cubic, (4.13) as corrected. Both curves are drawn by the interpolants that the solver uses.",
+            "The control is quadratic, (4.10), through both knots and the midpoint; the state has the slopes f at "
+            "all three, so it is cubic, (4.13) as corrected. Both curves are drawn by the interpolants that the "
+            "solver uses.",
             simpson_segment,
         ),
     ),

@@ -18,7 +18,7 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.solve import Settings, Step, solve
 
-CONVERGED = {"cartpole": 58.80766746, "biped": 390.7905383}
+CONVERGED = {"cartpole": 58.80766746, "biped": 390.79053817}
 LADDERS = {
     "trapezoid": [Step("trapezoid", n, 1e-9) for n in (25, 50, 100, 200, 400, 800)],
     "hermite-simpson": [Step("hermite-simpson", n, 1e-9) for n in (10, 20, 40, 80, 160, 320)],

@@ -1,0 +1,205 @@
+"""`trajopt reproduce`: the checks, the page, the figures, and what is refused."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from trajopt.cli.main import app
+from trajopt.results.figures.example import Run, peak
+from trajopt.results.paper_values import EFFORTS, SWITCH, U_MAX, VALUES, WORK, at_least, at_most, near, printed
+from trajopt.results.reproduce import EXAMPLES
+
+NAMES = ("block", "splines", "refinement", "cartpole", "biped", "min_work", "points", "pendulum")
+PAPER_FIGURES = ("02", "03", "04", "05", "06", "07", "09", "10", "11", "13", "14", "15", "16", "17", "19", "20")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def trajopt(*arguments):
+    """A run inside this process. Anything but an exit with a code is a bug."""
+    result = CliRunner().invoke(app, ["reproduce", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
+    return result
+
+
+class Page(HTMLParser):
+    """The names of the pictures and the addresses of the links of a page."""
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.pictures, self.links, self.open = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag == "img":
+            self.pictures.append(attributes["src"])
+        if tag in ("a", "link", "script"):
+            self.links.append(attributes.get("href") or attributes.get("src"))
+        if tag not in ("img", "meta"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+# -- the whole ------------------------------------------------------------------------------------------------------
+
+
+def test_the_whole_paper(folder):
+    """All solves, all checks and all figures in one process; one test, so that a parallel run does it once."""
+    script = "from trajopt.cli.main import main; main()"
+    run = subprocess.run(
+        [sys.executable, "-c", script, "reproduce", "--check", "--json"], capture_output=True, text=True, check=False
+    )
+    assert run.stderr == ""
+    made = json.loads(run.stdout)
+    assert [check for check in made["checks"] if not check["passed"]] == []
+    assert (run.returncode, made["unsolved"], made["passed"]) == (0, {}, True)
+    wanted = {(example, value.name) for example, values in VALUES.items() for value in values}
+    assert {(check["example"], check["check"]) for check in made["checks"]} == wanted
+    assert [effort["what"] for effort in made["efforts"]] == [effort.what for effort in EFFORTS]
+    assert all(effort["here"]["iterations"] < effort["paper"]["iterations"] for effort in made["efforts"])
+
+    text = (folder / "reproduction" / "index.html").read_text()
+    page = Page(text)
+    assert page.open == []
+    files = [picture.file for example in EXAMPLES.values() for picture in example.pictures]
+    assert page.pictures == [f"figures/{file}.png" for file in files]
+    assert all(link.startswith(("#", "figures/")) for link in page.links)  # no network
+    assert "1.114562" in text  # the table of minimum work
+    assert "{" not in text.partition("</style>")[2]  # every placeholder of a caption is filled
+    for file in files:
+        picture = folder / "reproduction" / "figures" / file
+        pixels = np.asarray(Image.open(picture.with_suffix(".png")).convert("L"), float)
+        assert pixels.std() > 10 and min(pixels.shape) > 300, file
+        assert picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+    runs = {name for example in EXAMPLES.values() for name in example.runs}
+    assert {path.stem for path in (folder / "reproduction" / "results").iterdir()} == runs
+
+
+def test_every_figure_of_the_paper_is_there():
+    files = [picture.file for example in EXAMPLES.values() for picture in example.pictures]
+    assert len(set(files)) == len(files)
+    assert {file[3:5] for file in files if file.startswith("fig")} == set(PAPER_FIGURES)
+    assert tuple(EXAMPLES) == tuple(VALUES) == NAMES
+
+
+# -- numbers --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "right", "wrong"),
+    [
+        (printed("J", "58.805425"), (58.8054246, 58.80542547, 58.8054254), (58.8054256, 58.805424, np.nan, np.inf)),
+        (printed("eta", "3.8e-6"), (3.76e-6, 3.849e-6), (3.74e-6, 3.86e-6, 0.0)),
+        (printed("u", "-0.0120"), (-0.01204, -0.01196), (-0.0121, 0.0120)),
+        (near("J", 12, 1e-7), (12, 12 + 9e-8), (12 + 2e-7, np.nan)),
+        (near("segment", 11, 0), (11,), (10, 12)),
+        (at_most("difference", 1e-8), (0, 1e-8, -1), (2e-8, np.nan)),
+        (at_least("order", 1.5), (1.5, 2), (1.49, np.nan)),
+    ],
+)
+def test_a_number_agrees_in_all_its_digits_or_fails(value, right, wrong):
+    assert all(map(value.holds, right))
+    assert not any(map(value.holds, wrong))
+
+
+def test_the_exact_least_work():
+    distance = U_MAX * SWITCH * (1 - SWITCH)
+    assert [SWITCH, WORK, distance] == pytest.approx([0.0527864, 1.1145618, 1], abs=5e-8)
+
+
+@pytest.mark.parametrize("example", NAMES)
+def test_every_value_has_a_name_of_its_own_and_a_source(example):
+    names = [value.name for value in VALUES[example]]
+    assert len(set(names)) == len(names)
+    assert all(value.source and value.low <= value.high for value in VALUES[example])
+
+
+def test_the_peak_between_the_samples():
+    t = np.linspace(0, 1, 61)
+    assert peak(np.sin(2 * np.pi * (t - 0.0033))) == pytest.approx(1, abs=1e-6)
+    assert peak(-(np.sin(np.pi * (t - 0.009)) ** 3)) == pytest.approx(1, abs=1e-6)
+
+
+def test_a_wrong_expectation_fails(folder, monkeypatch):
+    wrong = near("least number of subsegments", 3, 0)
+    monkeypatch.setitem(VALUES, "refinement", (*VALUES["refinement"][1:], wrong))
+    run = trajopt("refinement", "--no-figures")
+    assert run.exit_code == 1
+    assert [line.split()[:2] for line in run.stdout.splitlines() if "FAIL" in line] == [["FAIL", "refinement"]]
+    assert "3 checks: 1 failure" in run.stdout
+    index = (folder / "reproduction" / "index.html").read_text()
+    assert '<span class="fail">FAIL</span>' in index and "1 are wrong" in index
+
+
+def test_a_problem_that_is_not_solved_fails(folder, monkeypatch):
+    example = EXAMPLES["pendulum"]
+    stopped = Run("pendulum", ("solver.engine=ipopt", "solver.max_iter=1"), shown=True)
+    runs = {"pendulum": example.runs["pendulum"], "pendulum_ipopt": stopped}
+    monkeypatch.setitem(EXAMPLES, "pendulum", replace(example, runs=runs))
+    run = trajopt("pendulum", "--json")
+    assert (run.exit_code, json.loads(run.stdout)["unsolved"]) == (1, {"pendulum_ipopt": "ran out of iterations"})
+    assert (
+        "pendulum_ipopt was not solved: ran out of iterations" in (folder / "reproduction" / "index.html").read_text()
+    )
+
+
+def test_without_check_only_what_the_figures_show_is_solved(folder):
+    run = trajopt("pendulum", "-o", "some")
+    assert run.exit_code == 0, run.output
+    shown = {name for name, run in EXAMPLES["pendulum"].runs.items() if run.shown}
+    assert {path.stem for path in (folder / "some" / "results").iterdir()} == shown
+    assert "4 checks: all pass" in run.stdout
+    assert run.stdout.endswith("some/index.html\n")
+
+
+# -- the folder -----------------------------------------------------------------------------------------------------
+
+
+def test_an_own_folder_is_renewed_and_what_else_is_in_it_stays(folder):
+    assert trajopt("points").exit_code == 0
+    (folder / "reproduction" / "notes.txt").write_text("mine")
+    assert trajopt("splines", "--no-figures").exit_code == 0
+    assert (folder / "reproduction" / "notes.txt").read_text() == "mine"
+    assert (folder / "reproduction" / "figures" / "fig19_collocation_points.png").exists()
+    assert "Splines" in (folder / "reproduction" / "index.html").read_text()
+
+
+def test_a_foreign_folder_is_refused(folder):
+    (folder / "mine").mkdir()
+    (folder / "mine" / "index.html").write_text("<p>my own page</p>")
+    run = trajopt("points", "-o", "mine")
+    assert (run.exit_code, run.stdout) == (3, "")
+    assert "was not made by 'trajopt reproduce'" in run.stderr
+    assert [path.name for path in (folder / "mine").iterdir()] == ["index.html"]
+    assert (folder / "mine" / "index.html").read_text() == "<p>my own page</p>"
+    (folder / "file").write_text("x")
+    assert trajopt("points", "-o", "file").exit_code == 3
+
+
+def test_a_foreign_picture_in_an_own_folder_is_not_replaced(folder):
+    assert trajopt("points").exit_code == 0
+    picture = folder / "reproduction" / "figures" / "fig19_collocation_points.png"
+    picture.write_bytes(b"mine")
+    assert trajopt("points").exit_code == 3
+    assert picture.read_bytes() == b"mine"
+
+
+def test_an_unknown_example_is_a_mistake(folder):
+    run = trajopt("cartpol", "points")
+    assert run.exit_code == 2
+    assert "did you mean cartpole?" in run.stderr
+    assert list(folder.iterdir()) == []
