@@ -148,7 +148,8 @@ class _Hamiltonian:
         """H = w + lambda f, (B.7)."""
         phase = self.phase
         w = self.sense * phase.lagrange(values, np) if phase.lagrange else 0.0
-        return w + sum(l * state.rate(values, np) for l, state in zip(self.costate, phase.states, strict=True))
+        pairs = zip(self.costate, phase.states, strict=True)
+        return w + sum(costate * state.rate(values, np) for costate, state in pairs)
 
     def lagrangian(self, values: dict) -> np.ndarray:
         """L = H + nu g + kappa r."""
@@ -183,8 +184,8 @@ def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, t
     drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
     drift -= (drift.max() + drift.min()) / 2
     rates = [
-        np.abs(l * state.rate(values, np))
-        for l, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)
+        np.abs(costate * state.rate(values, np))
+        for costate, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)
     ]
     scale = max(float(np.max(term)) for term in (*rates, np.abs(H))) or 1.0
     k = int(np.argmax(np.abs(drift)))
@@ -203,7 +204,7 @@ def _pointing_out(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.ndar
 def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
     """The largest term of dL/du along the trajectory: what its zero is the balance of."""
     phase = hamiltonian.phase
-    terms = [(l, s.rate) for l, s in zip(hamiltonian.costate, phase.states, strict=True)]
+    terms = [(costate, s.rate) for costate, s in zip(hamiltonian.costate, phase.states, strict=True)]
     terms += [(1.0, phase.lagrange)] if phase.lagrange else []
     terms += [
         (hamiltonian.multipliers[kind, c.name][hamiltonian.points], c.function)

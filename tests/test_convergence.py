@@ -1,6 +1,7 @@
 """Order of convergence, costates and the error estimate on a smooth problem with a known answer."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -162,7 +163,7 @@ def test_spectral_convergence_of_global_collocation(method):
         (trajectory,) = solve(integration(), [Step(method, 1, 1e-13, degree)]).trajectories
         errors.append(abs(trajectory.x[0, -1] - integration_state(2.0)))
     assert errors[-1] < 1e-12
-    falling = [b < a / 20 for a, b in zip(errors, errors[1:], strict=False) if a > 1e-12]
+    falling = [b < a / 20 for a, b in pairwise(errors) if a > 1e-12]
     assert all(falling)
 
 

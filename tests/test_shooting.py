@@ -37,7 +37,7 @@ def solved(name: str, method: str, segments: int, substeps: int, control: str | 
     return solution
 
 
-# -- the tables and the interpolants ---------------------------------------------------------------------------------
+# -- the tables and the interpolants ----------------------------------------------------------------
 
 
 @TABLE
@@ -84,7 +84,7 @@ def test_interpolants_are_exact_for_polynomials(control, substeps):
         assert scheme.costate_basis(tau) @ scheme.sigma**k == pytest.approx(tau**k, abs=1e-13)
 
 
-# -- the nonlinear program ---------------------------------------------------------------------------------------------
+# -- the nonlinear program --------------------------------------------------------------------------
 
 
 def two_phases() -> Problem:
@@ -169,7 +169,10 @@ def test_number_of_unknowns(control, nodes):
     unknowns = len(transcribe(named("cartpole"), [step.mesh()]).variables)
     assert (mesh.x >= 0).sum() == 4 * 11  # states at the ends of the segments only
     assert unknowns == 4 * 11 + nodes * 50 + (control != "constant")
-    assert len(transcribe(named("brachistochrone"), [step.mesh()]).variables) == 3 * 11 + nodes * 50 + (control != "constant") + 1
+    assert (
+        len(transcribe(named("brachistochrone"), [step.mesh()]).variables)
+        == 3 * 11 + nodes * 50 + (control != "constant") + 1
+    )
 
 
 def test_rows_are_told_by_name():
@@ -189,7 +192,7 @@ def test_what_is_not_finite_is_told_by_segment():
         nlp.hessian(z, np.ones(nlp.m), 1.0)
 
 
-# -- order of convergence ------------------------------------------------------------------------------------------------
+# -- order of convergence ---------------------------------------------------------------------------
 
 
 def slope(sizes, errors) -> float:
@@ -213,21 +216,28 @@ def test_order_of_integration(method, control, substeps):
 
 
 OPTIMAL = {"constant": (2, 2), "linear": (4, 4), "quadratic": (5, 4)}
-"""What the control's polynomial leaves of the table's order: in the objective, and in the state and costate at the knots."""
+"""What the control's polynomial leaves of the table's order: in the objective; in the state and costate at the knots."""
 
 
 @SCHEME
 def test_order_of_the_optimal_solution(method, control):
     sizes, objective, state, costate, between = (16, 32, 64), [], [], [], []
     for size in sizes:
-        solution = solve(growth(), [Step(method, size // 4, 1e-13, substeps=4, control=control)], Settings({"acceptable_iter": 0}))
+        solution = solve(
+            growth(), [Step(method, size // 4, 1e-13, substeps=4, control=control)], Settings({"acceptable_iter": 0})
+        )
         (trajectory,), times = solution.trajectories, solution.trajectories[0].knots
         knots = trajectory.mesh.knots
         objective.append(abs(solution.objective - GROWTH_OBJECTIVE))
         state.append(np.abs(trajectory.x[0, knots] - growth_state(times)).max())
         costate.append(np.abs(trajectory.point_costate[0, knots] - growth_costate(times)).max())
         dense = trajectory.dense
-        between.append(max(np.abs(dense.x[0] - growth_state(dense.t)).max(), np.abs(dense.costate[0] - growth_costate(dense.t)).max()))
+        between.append(
+            max(
+                np.abs(dense.x[0] - growth_state(dense.t)).max(),
+                np.abs(dense.costate[0] - growth_costate(dense.t)).max(),
+            )
+        )
     expected, at_knots = (min(find(method).order, order) for order in OPTIMAL[control])
     assert slope(sizes, objective) == pytest.approx(expected, abs=0.3)
     assert slope(sizes[1:], state[1:]) > at_knots - 0.5
@@ -240,14 +250,16 @@ def test_the_error_estimate_bounds_the_true_error(method, control):
     solution = solve(growth(), [Step(method, 3, 1e-12, substeps=3, control=control)])
     (trajectory,), (error,) = solution.trajectories, solution.errors
     nodes, weights = np.polynomial.legendre.leggauss(4)
-    tau = ((np.arange(12)[:, None] + (nodes + 1) / 2) / 12).ravel()  # four pieces of each substep: none has a jump in it
+    tau = (
+        (np.arange(12)[:, None] + (nodes + 1) / 2) / 12
+    ).ravel()  # four pieces of each substep: none has a jump in it
     u = trajectory.grid(np.arange(3), tau).u[0]
     end = np.exp(1 + (trajectory.h[:, None] * np.tile(weights / 24, 12) * u).sum())
     assert abs(end - trajectory.x[0, -1]) <= error.eta.sum() * np.exp(np.abs(trajectory.u).max()) + 1e-13
     assert error.max_eta < 0.02
 
 
-# -- problems ----------------------------------------------------------------------------------------------------------------
+# -- problems ---------------------------------------------------------------------------------------
 
 
 def same(one, other, tolerance: float) -> None:
@@ -299,7 +311,9 @@ def test_cart_pole_converges_to_what_collocation_finds():
     assert other.objective == pytest.approx(58.807667, abs=2e-6)
 
 
-@pytest.mark.parametrize("name", ["brachistochrone", "shot_put", "bryson_denham", "van_der_pol", "pendulum", "cartpole_min_time"])
+@pytest.mark.parametrize(
+    "name", ["brachistochrone", "shot_put", "bryson_denham", "van_der_pol", "pendulum", "cartpole_min_time"]
+)
 @pytest.mark.parametrize("method", ["runge-kutta-4", "dormand-prince"])
 def test_shipped_problems_as_by_collocation(name, method):
     """Free final times, static parameters, bounds on simulated states."""
@@ -317,7 +331,7 @@ def test_bounds_hold_at_every_point():
 
 
 def test_equations_of_the_controls_hold_where_the_control_has_nodes():
-    """Slack variables of abs: with an equation at the ends of the substeps only, the middles would be free for nothing."""
+    """Slack variables of abs: with an equation at the ends of the substeps only, the middles would be free."""
     multiple = solved("block_move_min_work", "runge-kutta-4", 10, 4)
     (trajectory,) = multiple.trajectories
     names = [control.name for control in trajectory.phase.controls]
@@ -371,7 +385,7 @@ def test_newtons_method_solves_it_too():
     assert one.objective == pytest.approx(other.objective, rel=1e-9)
 
 
-# -- files ---------------------------------------------------------------------------------------------------------------------
+# -- files ------------------------------------------------------------------------------------------
 
 FILE = """
 trajopt: 1

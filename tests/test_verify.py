@@ -62,7 +62,7 @@ def test_reloading_gives_the_same_trajectories(tmp_path):
 
 
 def test_a_control_that_does_something_else_fails(tmp_path):
-    path, solution = stored(tmp_path, "block_move_min_force")
+    path, _ = stored(tmp_path, "block_move_min_force")
     with h5py.File(path, "r+") as file:
         z = file["solver/z"]
         z[2::3] = z[2::3] * 1.2  # x, v, u at each point

@@ -170,9 +170,10 @@ class CollocationBuilder(PhaseBuilder):
                 data[f"R{j}"] = np.tile(weights, size)
             columns = {name: self._column(f"{index}_{name}", over, values) for name, values in data.items()}
             times = mesh.fractions[data["point0"]] if terms else np.repeat(mesh.edges[group.segments + 1], len(rows))
+            count = len(terms)
             for state in self.phase.states:
 
-                def rule(block, q, state=state, c=columns, count=len(terms)):
+                def rule(block, q, state=state, c=columns, count=count):
                     x = [block.x[state.name, c["first"][q] + i] for i in range(len(scheme.sigma))]
                     left = sum([c[f"L{i}"][q] * x[i] for i in range(len(x))])
                     f = [state.rate(self.at(c[f"point{j}"][q], self.names), pyomo) for j in range(count)]

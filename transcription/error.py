@@ -12,6 +12,7 @@ at a time, and importing it costs more than solving a typical problem.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
     eta = np.full((len(trajectory.phase.states), trajectory.mesh.segments), np.nan)
     for group in trajectory.mesh.groups:
         breaks = group.scheme.sigma
-        pieces = list(zip(breaks[:-1], breaks[1:], strict=True))
+        pieces = list(pairwise(breaks))
         open_ = group.segments
         for level in ROMBERG_LEVELS:
             new = sum(_romberg(_piece(trajectory, open_, a, b, level), b - a) for a, b in pieces)
@@ -87,5 +88,5 @@ def _romberg(y: np.ndarray, width: float) -> np.ndarray:
         coarse = y[..., ::step]
         table.append(width / 2**level * (coarse.sum(axis=-1) - (coarse[..., 0] + coarse[..., -1]) / 2))
     for order in range(1, k + 1):
-        table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in zip(table, table[1:], strict=False)]
+        table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
     return table[-1]

@@ -62,7 +62,7 @@ class Table:
 def order_conditions(A: np.ndarray, order: int, theta: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """rows (q, r) and sides (q,): weights w with rows @ w = sides give x(t + theta H) to that order, at most 5.
 
-    One condition for each rooted tree (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, table II.2.2).
+    One condition for each rooted tree (Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.2).
     """
     c = A.sum(axis=1)
     trees = {
@@ -235,7 +235,7 @@ def _hermite(values: np.ndarray, slopes: np.ndarray, theta: np.ndarray) -> tuple
 
 
 def simulate(trajectory) -> None:
-    """Write the states inside the segments into trajectory.x, from those at the starts of the segments and the controls."""
+    """Write the states inside the segments into trajectory.x, from those at their starts and the controls."""
     phase, mesh, p = trajectory.phase, trajectory.mesh, trajectory.parameters
     for group in mesh.groups:
         scheme = group.scheme

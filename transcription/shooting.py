@@ -7,9 +7,11 @@ On segment s, with x_s the unknown state at its start and Phi_s the simulation t
 
 and integrals are summed by the same Runge-Kutta weights. One segment is single shooting. Path constraints hold at the
 ends of the substeps, and in the middle too where the control has a node there: what an equation of the controls leaves
-free there, the integral would exploit. Algebraic variables are interpolated like controls; their residuals are such equations.
+free there, the integral would exploit. Algebraic variables are interpolated like controls, and their residuals are such
+equations.
 
-The unknowns are ordered point by point, as for collocation: x at the ends of the segments, u at its nodes; times, parameters last.
+The unknowns are ordered point by point, as for collocation: x at the ends of the segments, u at its nodes; then the
+times and the parameters.
 """
 
 from __future__ import annotations
@@ -107,12 +109,14 @@ def _check(problem: Problem, phase: Phase, mesh: Mesh) -> None:
     for group in mesh.groups:
         scheme = group.scheme
         if phase.algebraic and scheme.control == "constant":
-            what = f"'{scheme.name}' with constant controls cannot follow algebraic variables such as '{phase.algebraic[0].name}'"
+            name = phase.algebraic[0].name
+            what = f"constant controls on substeps cannot follow algebraic variables such as '{name}'"
             raise SpecError(Mistake("mesh.control", what, "write control: linear or quadratic"))
         y = n + n_u * len(scheme.c) + n_p + 2
         size = len(group.segments) * scheme.substeps * len(scheme.table.b) * (2 * n + n_u + n_p + 2) * y
         if size > MAX_TANGENTS:
-            what = f"{scheme.substeps} substeps on {len(group.segments)} segments need {size} derivatives, more than trajopt takes"
+            count = len(group.segments)
+            what = f"{scheme.substeps} substeps on {count} segments have {size} derivatives, more than trajopt takes"
             raise SpecError(Mistake("mesh", what, "use more segments of fewer substeps each"))
 
 
@@ -165,7 +169,9 @@ class _RowBuilder:
                 self._at(points[:, 1:], x[..., j], "bound", phase.states[i].name, phase.states[i].bounds)
         for i, (kind, constraint) in enumerate(over_time):
             self._at(self.mesh.knots[-1:], ends[0][[i]], kind, constraint.name, constraint.bounds)
-        for kind, constraints, rows in zip(("boundary", "integral"), (phase.boundary, phase.integral), ends[1:], strict=True):
+        for kind, constraints, rows in zip(
+            ("boundary", "integral"), (phase.boundary, phase.integral), ends[1:], strict=True
+        ):
             for i, constraint in enumerate(constraints):
                 self._add(rows[[i]], kind, constraint.name, constraint.bounds, (0.0, 1.0))
         return PhaseRows(defects, path, bounds, *ends, self.bounded)

@@ -1,8 +1,8 @@
 """Simulated segments and their exact derivatives, composed from those of the dynamics at one point.
 
-On a segment everything is a function of its own unknowns y = (x at its start, u at its nodes, t0, tF, p). The stages
+On a segment everything is a function of its own unknowns y = (x at its start, t0, tF, p, u at its nodes). The stages
 
-    k_ij = F(v_ij),   v_ij = (x_ij, u_ij, p, t_ij, H),    F = H (f, w):   dynamics and integrands times the substep's duration
+    k_ij = F(v_ij),   v_ij = (x_ij, u_ij, p, t_ij, H),    F = H (f, w):   dynamics and integrands times H
     x_ij = X_i + sum_l a_jl k_il,         X_(i+1) = X_i + sum_j b_j k_ij
 
 are linear but for F, so that with the tangents V_ij = dv_ij/dy (a forward sweep) and the adjoints mu_ij of k_ij in a
@@ -11,6 +11,7 @@ Lagrangian (a backward sweep) its Hessian on the segment is exactly
     sum_ij  V_ij' [d2 (mu_ij . F) / dv2] V_ij     + the same for the path constraints at the points of the mesh.
 
 A symbolic nested expression would grow exponentially with the stages; this costs two sweeps, for all segments at once.
+Nothing depends on controls to come, which stand last in y: substep i takes its first seen[i] entries only.
 """
 
 from __future__ import annotations
@@ -44,8 +45,10 @@ class Segments:
         self.n, self.n_u, self.n_p = sizes
         self.bounded = np.array(bounded, int)
         self.held = held(self.scheme)
+        self.per = len(self.held) // self.scheme.substeps  # points on a substep
         self.edges, self.widths = mesh.edges[group.segments], mesh.widths[group.segments]
-        self.time = self.columns.shape[1] - self.n_p - 2  # the place of t0 in y
+        self.nodes = self.n + 2 + self.n_p  # the place of u in y
+        self.seen = self.nodes + self.n_u * (self.scheme.substep_nodes[:, -1] + 1)
         stage = np.arange(self.scheme.substeps)[:, None] + self.scheme.table.c
         self.stage_times = self.edges[:, None, None] + self.widths[:, None, None] * stage / self.scheme.substeps
         self.point_times = self.edges[:, None] + self.widths[:, None] * self.scheme.sigma[self.held]
@@ -58,17 +61,17 @@ class Segments:
         self._differentiated = False
 
     def _constant_tangents(self, times: np.ndarray, basis: np.ndarray) -> np.ndarray:
-        """dv/dy at given normalised times (G, ...), with u = basis (..., m) times its nodes; the rows of x are left 0."""
+        """dv/dy at given normalised times (G, ...), u being basis (..., m) times its nodes; rows of x are left 0."""
         n, n_u, n_p = self.n, self.n_u, self.n_p
         V = np.zeros((*times.shape, self.dynamics.size, self.columns.shape[1]))
         for i in range(n_u):
-            V[..., n + i, n + i : self.time : n_u] = basis
+            V[..., n + i, self.nodes + i :: n_u] = basis
         for i in range(n_p):
-            V[..., n + n_u + i, self.time + 2 + i] = 1
+            V[..., n + n_u + i, n + 2 + i] = 1
         if self.dynamics.size > n + n_u + n_p:
             step = (self.widths / self.scheme.substeps).reshape(-1, *[1] * (times.ndim - 1))
-            V[..., -2, self.time], V[..., -2, self.time + 1] = 1 - times, times
-            V[..., -1, self.time], V[..., -1, self.time + 1] = -step, step
+            V[..., -2, n], V[..., -2, n + 1] = 1 - times, times
+            V[..., -1, n], V[..., -1, n + 1] = -step, step
         return V
 
     # -- values ----------------------------------------------------------------------------------------------------
@@ -77,7 +80,7 @@ class Segments:
         """Simulate the segments for the unknowns z, shape (n_z,)."""
         y = np.where(self.columns >= 0, z[self.columns], self.fixed)
         self._differentiated = False
-        u = y[:, self.n : self.time].reshape(len(y), len(self.scheme.c), self.n_u)
+        u = y[:, self.nodes :].reshape(len(y), len(self.scheme.c), self.n_u)
         self.stages = self._arguments(self.stage_times, np.einsum("ijm,gma->gija", self.stage_basis, u), y)
         self.points = self._arguments(self.point_times, u[:, : len(self.held)], y)
         A, b, S = self.scheme.table.A, self.scheme.table.b, self.scheme.substeps
@@ -89,24 +92,20 @@ class Segments:
                 self.stages[:, i, j, : self.n] = self.x[:, i, : self.n] + _mix(A[j, :j], k[:, i, :j, : self.n])
                 k[:, i, j] = self.dynamics.values(self.stages[:, i, j])
             self.x[:, i + 1] = self.x[:, i] + _mix(b, k[:, i])
-        self.points[..., : self.n] = self._at_points(self.x[:, :-1, : self.n], k[..., : self.n])
+        self.points[:, :: self.per, : self.n] = self.x[:, :-1, : self.n]
+        if self.per == 2:
+            middle = _mix(self.scheme.table.middle, k, 2)[..., : self.n]
+            self.points[:, 1::2, : self.n] = self.x[:, :-1, : self.n] + middle
 
     def _arguments(self, times: np.ndarray, u: np.ndarray, y: np.ndarray) -> np.ndarray:
         v = np.zeros((*times.shape, self.n + self.n_u + self.n_p + 2))
         lift = (slice(None), *[None] * (times.ndim - 1))
-        start, duration = y[:, self.time][lift], (y[:, self.time + 1] - y[:, self.time])[lift]
+        start, duration = y[:, self.n][lift], (y[:, self.n + 1] - y[:, self.n])[lift]
         v[..., self.n : self.n + self.n_u] = u
-        v[..., self.n + self.n_u : -2] = y[lift][..., self.time + 2 :]
+        v[..., self.n + self.n_u : -2] = y[lift][..., self.n + 2 : self.nodes]
         v[..., -2] = start + duration * times
         v[..., -1] = duration * self.widths[lift] / self.scheme.substeps
         return v
-
-    def _at_points(self, ends: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """x at the points, shape (G, P, ...), from x at the starts of the substeps and k, shape (G, S, r, ...)."""
-        if len(self.held) == self.scheme.substeps:
-            return ends
-        both = np.stack([ends, ends + _mix(self.scheme.table.middle, k, 2)], axis=2)
-        return both.reshape(len(ends), -1, *ends.shape[2:])
 
     # -- tangents ----------------------------------------------------------------------------------------------------
 
@@ -116,18 +115,19 @@ class Segments:
             return
         A, b, n = self.scheme.table.A, self.scheme.table.b, self.n
         self.F_v, self.g_v = self.dynamics.jacobian(self.stages), self.path.jacobian(self.points)
-        V, D = self._stage_tangents, np.zeros((len(self.columns), self.dynamics.outputs, self.columns.shape[1]))
+        V, at_points = self._stage_tangents, self._point_tangents
+        D = np.zeros((len(self.columns), self.dynamics.outputs, self.columns.shape[1]))
         D[:, :n, :n] = np.eye(n)
-        ends, slopes = [], []
-        for i in range(self.scheme.substeps):
-            K = np.zeros((len(D), len(b), *D.shape[1:]))
+        for i, seen in enumerate(self.seen.tolist()):
+            here = D[..., :seen]
+            K = np.zeros((len(D), len(b), *here.shape[1:]))
             for j in range(len(b)):
-                V[:, i, j, :n] = D[:, :n] + _mix(A[j, :j], K[:, :j, :n])
-                K[:, j] = self.F_v[:, i, j] @ V[:, i, j]
-            ends.append(D[:, :n])
-            slopes.append(K[:, :, :n])
-            D = D + _mix(b, K)
-        self._point_tangents[:, :, :n] = self._at_points(np.stack(ends, 1), np.stack(slopes, 1))
+                V[:, i, j, :n, :seen] = here[:, :n] + _mix(A[j, :j], K[:, :j, :n])
+                K[:, j] = self.F_v[:, i, j] @ V[:, i, j, :, :seen]
+            at_points[:, self.per * i, :n, :seen] = here[:, :n]
+            if self.per == 2:
+                at_points[:, 2 * i + 1, :n, :seen] = here[:, :n] + _mix(self.scheme.table.middle, K[:, :, :n])
+            here += _mix(b, K)
         self.end_tangents, self._differentiated = D, True
 
     @property
@@ -144,12 +144,12 @@ class Segments:
     def causal(self) -> np.ndarray:
         """Whether a point depends on an entry of y, shape (P, n_y): not on controls of later substeps."""
         last = self.scheme.sigma[self.held]
-        if len(self.held) > self.scheme.substeps:  # a middle is computed from the stages up to the end of its substep
+        if self.per == 2:  # a middle is computed from the stages up to the end of its substep
             last = last + np.tile([0, 0.5 / self.scheme.substeps], self.scheme.substeps)
         if self.scheme.control == "constant":
             last = last + 0.5 / self.scheme.substeps
         mask = np.ones((len(last), self.columns.shape[1]), bool)
-        mask[:, self.n : self.time] = np.repeat(self.scheme.c <= last[:, None] + 1e-12, self.n_u, axis=1)
+        mask[:, self.nodes :] = np.repeat(self.scheme.c <= last[:, None] + 1e-12, self.n_u, axis=1)
         return mask
 
     # -- adjoints and second derivatives ---------------------------------------------------------------------------
@@ -172,7 +172,7 @@ class Segments:
             for j in reversed(range(len(b))):
                 mu[:, i, j] = b[j] * lam
                 mu[:, i, j, :n] += _mix(A[j + 1 :, j], pulled[:, j + 1 :])
-                if own.shape[2] == 2:
+                if self.per == 2:
                     mu[:, i, j, :n] += self.scheme.table.middle[j] * own[:, i, 1]
                 pulled[:, j] = (mu[:, i, j, None] @ self.F_v[:, i, j, :, :n])[:, 0]
             lam[:, :n] += pulled.sum(axis=1) + own[:, i, 1:].sum(axis=1)
@@ -183,9 +183,14 @@ class Segments:
     def hessian(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> np.ndarray:
         """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y)."""
         mu, _, _ = self.adjoint(end, path, bound)
-        H = _congruence(self._stage_tangents, self.dynamics.hessian(self.stages, mu))
-        if self.path.outputs:
-            H += _congruence(self._point_tangents, self.path.hessian(self.points, path))
+        M, V = self.dynamics.hessian(self.stages, mu), self._stage_tangents
+        M_g, V_g = self.path.hessian(self.points, path), self._point_tangents
+        H = np.zeros((len(V), V.shape[-1], V.shape[-1]))
+        for i, seen in enumerate(self.seen.tolist()):
+            H[:, :seen, :seen] += _congruence(V[:, i, ..., :seen], M[:, i])
+            if self.path.outputs:
+                points = slice(self.per * i, self.per * (i + 1))
+                H[:, :seen, :seen] += _congruence(V_g[:, points, :, :seen], M_g[:, points])
         return H
 
 

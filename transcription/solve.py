@@ -21,8 +21,8 @@ from .error import ErrorProfile, error_profile
 from .mesh import Mesh
 from .outcome import Outcome, Status
 from .refine import MERGING_MESHES, refine, relative_error
-from .scaling import scale
 from .runge_kutta import Shooting
+from .scaling import scale
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
