@@ -17,8 +17,10 @@ DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 
 
 def _substeps(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_SUBSTEPS:
-        raise mistake(f"this is no number of substeps: {brief(value)}", f"write a whole number from 1 to {MAX_SUBSTEPS}")
+    whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+    if not whole or not 1 <= value <= MAX_SUBSTEPS:
+        what = f"this is no number of substeps: {brief(value)}"
+        raise mistake(what, f"write a whole number from 1 to {MAX_SUBSTEPS}")
     return int(value)
 
 

@@ -11,8 +11,8 @@
         error/                 eta (segment, state), with the numbers of the segments and the names of the states
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
-                               attributes: method, substeps and control of shooting, segments, tolerance, status, objective, max_eta, relative_error,
-                               iterations, unknowns, constraints, seconds_<part>
+                               attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
+                               iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: every option, seconds_<part> over all meshes, violations, unmet (segments
                                that refinement left above its tolerance), scaling (sizes of the automatic one, JSON)

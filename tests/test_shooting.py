@@ -216,7 +216,7 @@ def test_order_of_integration(method, control, substeps):
 
 
 OPTIMAL = {"constant": (2, 2), "linear": (4, 4), "quadratic": (5, 4)}
-"""What the control's polynomial leaves of the table's order: in the objective; in the state and costate at the knots."""
+"""What the control's polynomial leaves of the table's order: objective; state and costate at the knots."""
 
 
 @SCHEME
@@ -376,6 +376,24 @@ def test_meshes_follow_each_other_and_are_refined():
     assert solution.solved and not solution.unmet
     assert len(solution.meshes) > 3
     assert solution.meshes[-1].mesh.segments > 10
+
+
+@pytest.mark.parametrize("name", ["cartpole", "van_der_pol", "bryson_denham", "brachistochrone", "shot_put"])
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (("runge-kutta-4", 10, 4), ("runge-kutta-4", 20, 4)),
+        (("hermite-simpson", 20, None), ("runge-kutta-4", 10, 4)),
+        (("dormand-prince", 10, 4), ("hermite-simpson", 40, None)),
+    ],
+)
+def test_warm_start_takes_fewer_iterations_than_cold(name, before, after):
+    coarse, fine = (Step(method, segments, 1e-8, substeps=substeps) for method, segments, substeps in (before, after))
+    warm = solve(named(name), [coarse, fine])
+    cold = solve(named(name), [fine], guess=solve(named(name), [coarse]).trajectories)
+    assert warm.solved and cold.solved
+    assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
+    assert warm.meshes[1].iterations < cold.meshes[0].iterations
 
 
 def test_newtons_method_solves_it_too():

@@ -57,11 +57,9 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
     eta = np.full((len(trajectory.phase.states), trajectory.mesh.segments), np.nan)
     for group in trajectory.mesh.groups:
         breaks = group.scheme.sigma
-        pieces = list(pairwise(breaks))
         open_ = group.segments
         for level in ROMBERG_LEVELS:
-            new = sum(_romberg(_piece(trajectory, open_, a, b, level), b - a) for a, b in pieces)
-            new *= trajectory.h[open_]
+            new = trajectory.h[open_] * _integral(trajectory, open_, breaks, level)
             change = np.abs(new - eta[:, open_])
             eta[:, open_] = new
             scale = eta[:, group.segments].max(axis=1, keepdims=True)
@@ -72,21 +70,23 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
     return eta
 
 
-def _piece(trajectory: Trajectory, segments: np.ndarray, a: float, b: float, level: int) -> np.ndarray:
-    """|epsilon| at 2^level + 1 equally spaced times of the piece [a, b] of G segments: (n_x, G, 2^level + 1)."""
-    inset = INSET * (b - a)
-    tau = np.linspace(a + inset, b - inset, 2**level + 1)
-    return np.abs(_epsilon(trajectory, trajectory.grid(segments, tau)))
+def _integral(trajectory: Trajectory, segments: np.ndarray, breaks: np.ndarray, level: int) -> np.ndarray:
+    """The integral of |epsilon| over tau in [0, 1] for G segments, by 2^level intervals between breaks: (n_x, G)."""
+    inside = np.linspace(INSET, 1 - INSET, 2**level + 1)
+    tau = breaks[:-1, None] + np.diff(breaks)[:, None] * inside
+    epsilon = np.abs(_epsilon(trajectory, trajectory.grid(segments, tau.ravel())))
+    pieces = _romberg(epsilon.reshape(*epsilon.shape[:-1], *tau.shape))
+    return pieces @ np.diff(breaks)
 
 
-def _romberg(y: np.ndarray, width: float) -> np.ndarray:
-    """Romberg's rule from samples y, shape (..., 2^k + 1), over an interval of the given width: shape (...)."""
+def _romberg(y: np.ndarray) -> np.ndarray:
+    """Romberg's rule from equally spaced samples y, shape (..., 2^k + 1), over an interval of width 1: shape (...)."""
     k = (y.shape[-1] - 1).bit_length() - 1
     table = []
     for level in range(k + 1):
         step = 2 ** (k - level)
         coarse = y[..., ::step]
-        table.append(width / 2**level * (coarse.sum(axis=-1) - (coarse[..., 0] + coarse[..., -1]) / 2))
+        table.append(2.0**-level * (coarse.sum(axis=-1) - (coarse[..., 0] + coarse[..., -1]) / 2))
     for order in range(1, k + 1):
         table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
     return table[-1]

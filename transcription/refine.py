@@ -27,6 +27,7 @@ from .trajectory import Trajectory
 
 MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same error
 MIN_DEGREE = 3
+DEGREE_STEP = 3  # each degree on a mesh has templates of its own to build; fewer degrees, fewer of them
 DECAY = 0.4  # decades a coefficient: slower than that, f is not smooth on the segment
 MERGE_MARGIN = 1e-3
 MERGING_MESHES = 4
@@ -103,7 +104,7 @@ def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
         return None
     degree = scheme.degree
     more = int(np.ceil(np.log(ratio) / np.log(max(degree, MIN_DEGREE))))
-    wanted = degree + max(more, 1)
+    wanted = degree + DEGREE_STEP * -(-max(more, 1) // DEGREE_STEP)
     return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
 
 

@@ -257,7 +257,7 @@ def find(
     substeps: int | None = None,
     control: str | None = None,
 ) -> Scheme | FiniteDifference | Shooting:
-    """The scheme of that name and degree, or substeps and control; raises SpecError with the nearest names otherwise."""
+    """The scheme of that name, degree, form or substeps, control; raises SpecError with the nearest names otherwise."""
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)
         return scheme if substeps is None and control is None else METHODS[name].shooting(substeps, control)

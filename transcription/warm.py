@@ -20,6 +20,7 @@ from .builder import Family
 from .compiler import CompiledNLP
 from .ipopt import Start
 from .outcome import Outcome
+from .runge_kutta import Shooting
 from .scheme import Scheme
 from .trajectory import Trajectory
 from .transcribe import Layout, Transcription
@@ -37,7 +38,12 @@ class Solved:
     def has_costates(self, transcription: Transcription) -> bool:
         """Whether both this mesh and the next give multipliers a meaning over time."""
         layouts = (*self.transcription.phases, *transcription.phases)
-        return all(isinstance(scheme, Scheme) for layout in layouts for scheme in layout.mesh.schemes)
+        return all(_has_densities(scheme) for layout in layouts for scheme in layout.mesh.schemes)
+
+
+def _has_densities(scheme) -> bool:
+    """Whether every point with an unknown has a quadrature weight; not where controls stand in the middles only."""
+    return isinstance(scheme, Scheme) or (isinstance(scheme, Shooting) and scheme.control != "constant")
 
 
 def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:
@@ -71,6 +77,7 @@ def _family(family: Family, old: Solved, transcription: Transcription) -> np.nda
 def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarray:
     """mu of one state and one row (or several), for every segment, in the least-squares sense:
 
+    mu = -lambda at the end of a segment that is simulated. For collocation
     mu R = -b lambda at the collocation nodes; and, where an end of the segment is none, so that its state stands in the
     left sides only, mu L = -lambda at the end and mu L = lambda at the start.
     """
@@ -78,6 +85,8 @@ def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarr
     scheme, state = group.scheme, [s.name for s in layout.phase.states].index(family.name)
     times = layout.mesh.fractions[group.nodes]
     costate = trajectory.at(times.ravel()).costate[state].reshape(times.shape)
+    if isinstance(scheme, Shooting):
+        return -costate[:, -1]
     matrix, target = [scheme.R], [-scheme.b * costate[:, scheme.collocated]]
     for node, sign in ((0, 1.0), (len(scheme.sigma) - 1, -1.0)):
         if node not in scheme.collocated:
