@@ -44,8 +44,7 @@ class CollocationBuilder(PhaseBuilder):
         self.explicit_set = self.points("explicit", self.explicit)
         self.data("weight", self.explicit_set, mesh.weights[self.explicit])
         self.data("width", block.segment, mesh.widths)
-        if (mesh.degrees != mesh.degrees[0]).any():
-            self.data("first", block.segment, mesh.first)
+        self.data("first", block.segment, mesh.first)
         self.members = [self._set_of(f"segment{i}", g.segments) for i, g in enumerate(mesh.groups)]
 
     def _set_of(self, name: str, segments: np.ndarray):
@@ -57,11 +56,6 @@ class CollocationBuilder(PhaseBuilder):
             self.block.add_component(name, over)
         self.owners[id(over)] = segments
         return over
-
-    def _first(self, s):
-        """The first point of segment s: an expression of s on a mesh of one degree, data of the segment otherwise."""
-        degrees = self.mesh.degrees
-        return int(degrees[0]) * s if (degrees == degrees[0]).all() else self.block.first[s]
 
     def h(self, s):
         return self.duration * self.block.width[s]
@@ -134,7 +128,7 @@ class CollocationBuilder(PhaseBuilder):
 
     def _nodes(self, scheme, s) -> list[dict]:
         """The values at the nodes of segment s; eliminated states are expressions of the others."""
-        eliminated, first = dict(scheme.eliminated), self._first(s)
+        eliminated, first = dict(scheme.eliminated), self.block.first[s]
         nodes = [
             self.at(first + i, () if i in eliminated else self.names, inputs=i in scheme.collocated)
             for i in range(len(scheme.sigma))

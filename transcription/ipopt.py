@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -17,9 +16,6 @@ from .compiler import CompiledNLP
 from .family import NotFinite
 from .outcome import Outcome, Status
 from .scaling import Scaling
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when cyipopt loads its BLAS: more threads only slow MUMPS
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 DEFAULTS = {
     "print_level": 0,

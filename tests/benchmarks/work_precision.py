@@ -24,7 +24,7 @@ LADDERS = {
     "hermite-simpson": [Step("hermite-simpson", n, 1e-9) for n in (10, 20, 40, 80, 160, 320)],
     "hp radau, degree 5": [Step("radau", n, 1e-9, 5) for n in (3, 5, 10, 20, 40)],
     "global chebyshev": [Step("chebyshev", 1, 1e-9, n) for n in (10, 15, 20, 30, 40, 60)],
-    "runge-kutta-4 shooting": [Step("runge-kutta-4", n, 1e-9) for n in (25, 50, 100, 200)],
+    "runge-kutta-4 shooting": [Step("runge-kutta-4", n, 1e-9) for n in (25, 50, 100, 200, 400)],
 }
 
 
