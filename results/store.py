@@ -114,23 +114,27 @@ def write(path: Path, solution: Solution, spec_text: str, spec_full: str, comman
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
     status = solution.status
-    file.attrs.update({
-        "format": FORMAT,
-        "format_version": FORMAT_VERSION,
-        "problem": solution.problem.name,
-        "status": status.name.lower(),
-        "solved": solution.solved,
-        "message": status.message,
-        "remedy": status.remedy,
-        "trouble": solution.trouble,
-        "objective": solution.objective,
-        "sense": "minimize" if solution.problem.sense > 0 else "maximize",
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": command.encode(errors="backslashreplace").decode(),  # names of files may hold bytes that are no text
-        "trajopt_version": version("trajopt"),
-        "pyomo_version": version("pyomo"),
-        "ipopt_version": solution.outcome.solver.get("ipopt", ""),  # none for another engine
-    })
+    file.attrs.update(
+        {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "problem": solution.problem.name,
+            "status": status.name.lower(),
+            "solved": solution.solved,
+            "message": status.message,
+            "remedy": status.remedy,
+            "trouble": solution.trouble,
+            "objective": solution.objective,
+            "sense": "minimize" if solution.problem.sense > 0 else "maximize",
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+            "command": command.encode(
+                errors="backslashreplace"
+            ).decode(),  # names of files may hold bytes that are no text
+            "trajopt_version": version("trajopt"),
+            "pyomo_version": version("pyomo"),
+            "ipopt_version": solution.outcome.solver.get("ipopt", ""),  # none for another engine
+        }
+    )
 
 
 def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
@@ -175,20 +179,21 @@ def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], row
 
 def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     _scale(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
-    group.attrs.update({
-        "method": record.mesh.schemes[0].name,
-        "segments": record.mesh.segments,
-        "tolerance": record.tolerance,
-        "status": record.status.name.lower(),
-        "objective": record.objective,
-        "max_eta": record.max_eta,
-        "relative_error": record.relative_error,
-        "iterations": record.iterations,
-        "unknowns": record.unknowns,
-        "constraints": record.constraints,
-        **_seconds(record.seconds),
-    })
-
+    group.attrs.update(
+        {
+            "method": record.mesh.schemes[0].name,
+            "segments": record.mesh.segments,
+            "tolerance": record.tolerance,
+            "status": record.status.name.lower(),
+            "objective": record.objective,
+            "max_eta": record.max_eta,
+            "relative_error": record.relative_error,
+            "iterations": record.iterations,
+            "unknowns": record.unknowns,
+            "constraints": record.constraints,
+            **_seconds(record.seconds),
+        }
+    )
 
     if isinstance(scheme := record.mesh.schemes[0], Shooting):
         group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})

@@ -11,8 +11,8 @@ and everything else follows from the same nodes:
     u(tau)   = sum_j u_j l_j(tau)                                        control interpolant
     x(tau)   = x_0 + h sum_j f_j (integral of l_j over [0, tau])         state interpolant
 
-where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was solved.
-Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
+where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was
+solved. Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ class Scheme:
     sigma: (d + 1,) state nodes. c: (n,) collocation nodes. L: (d, d + 1) and R: (d, n), the defects.
     eliminated: (node, row) pairs; the state at that node is no variable, it is the solution of defect `row`, which must
     not contain the dynamics at the node itself. differential: whether the defects are written in differential form,
-    with the dynamics of two nodes in each at most. degree: within a family of schemes, else None. Raises ValueError where the data contradict each other.
+    with the dynamics of two nodes in each at most. degree: within a family of schemes, else None. Raises ValueError
+    where the data contradict each other.
     """
 
     name: str
@@ -111,7 +112,7 @@ class Scheme:
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
 
     def rate_terms(self, rows: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For rows with equally many dynamics: (state nodes, weights), one entry a row, of each term; the row's own first."""
+        """For rows with equally many dynamics: (state nodes, weights), an entry a row, of each term; its own first."""
         columns = np.array([np.flatnonzero(self.R[r])[::-1] for r in rows])
         return [(np.array(self.collocated)[c], self.R[rows, c]) for c in columns.T]
 

@@ -1,7 +1,7 @@
 """The table of methods: each is a `Scheme`, or a family of schemes with a degree to choose.
 
-Adding a method is adding a row; its defects, interpolants, quadrature, costates and error estimate follow, and the tests
-of exactness, order and costates run over the table.
+Adding a method is adding a row; its defects, interpolants, quadrature, costates and error estimate follow, and the
+tests of exactness, order and costates run over the table.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ INTEGRAL_DEGREE = 3  # up to here the integral form has few enough dynamics in a
 
 @dataclass(frozen=True)
 class Method:
-    """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree; table: of
-    a shooting method.
+    """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree; table:
+    of a shooting method.
 
     ends: which ends of a segment are collocated. order: in words, n being the degree.
     """

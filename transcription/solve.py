@@ -34,8 +34,8 @@ from .warm import Solved, warm_start
 class Step:
     """One entry of the mesh schedule: a method, a number of segments or their relative widths, the engine's tolerance.
 
-    degree: of a family of methods, one for all segments or one for each. form: of its defects, "integral" or "differential".
-    substeps: on each segment, and control: polynomial on each substep, of a shooting method.
+    degree: of a family of methods, one for all segments or one for each. form: of its defects, "integral" or
+    "differential". substeps: on each segment, and control: polynomial on each substep, of a shooting method.
     """
 
     method: str
@@ -109,7 +109,7 @@ ENGINES = ("ipopt", "newton")
 
 @dataclass(frozen=True)
 class Refine:
-    """Refine the mesh until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
+    """Refine until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
 
     tolerance: float = 1e-6
     max_meshes: int = 10
@@ -117,9 +117,9 @@ class Refine:
 
 @dataclass(frozen=True)
 class Settings:
-    """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and whether
-    meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic scaling
-    should not choose itself.
+    """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
+    whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
+    scaling should not choose itself.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -160,9 +160,9 @@ def solve(
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
     problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
-    the problem's own. progress: called with the number of the mesh and the engine's record of each iteration. stop: asked
-    at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is told by
-    the status.
+    the problem's own. progress: called with the number of the mesh and the engine's record of each iteration. stop:
+    asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
+    told by the status.
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     history, solved, unmet = [], None, ()
@@ -188,7 +188,13 @@ def solve(
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
 def _solve_mesh(
-    problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, guess, solved: Solved | None, **callbacks
+    problem: Problem,
+    meshes: Sequence[Mesh],
+    tolerance: float,
+    settings: Settings,
+    guess,
+    solved: Solved | None,
+    **callbacks,
 ) -> tuple[Solution, Solved]:
     began = time.perf_counter()
     transcription = transcribe(problem, meshes, guess)
@@ -237,7 +243,9 @@ def _record(tolerance: float, solution: Solution, nlp: CompiledNLP, seconds: Map
         status=solution.status,
         objective=solution.objective,
         max_eta=solution.max_eta,
-        relative_error=max(float(relative_error(t, e).max()) for t, e in zip(solution.trajectories, solution.errors, strict=True)),
+        relative_error=max(
+            float(relative_error(t, e).max()) for t, e in zip(solution.trajectories, solution.errors, strict=True)
+        ),
         iterations=max(len(solution.outcome.iterations["iteration"]) - 1, 0),
         unknowns=nlp.n,
         constraints=nlp.m,

@@ -83,7 +83,7 @@ class Trajectory:
         return self.phase.dynamics(self.times, self.x, self.u, self.parameters)
 
     def grid(self, segments: np.ndarray, tau: np.ndarray) -> Sample:
-        """The trajectory at the same normalised times tau, shape (M,), of some segments, shape (G,): shapes (..., G, M)."""
+        """The trajectory at the same normalised times tau, shape (M,), of segments, shape (G,): shapes (..., G, M)."""
         return self._sample(segments, tau, common=True)
 
     def at(self, s: np.ndarray) -> Sample:
@@ -159,10 +159,12 @@ def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajector
 
 def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, parameters: dict) -> Trajectory:
     phase, mesh = layout.phase, layout.mesh
-    t = np.array([
-        z[i] if i >= 0 else bounds.lower
-        for i, bounds in zip(layout.t, (phase.initial_time, phase.final_time), strict=True)
-    ])
+    t = np.array(
+        [
+            z[i] if i >= 0 else bounds.lower
+            for i, bounds in zip(layout.t, (phase.initial_time, phase.final_time), strict=True)
+        ]
+    )
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
     trajectory = Trajectory(phase, mesh, t, x, u, parameters)

@@ -148,5 +148,3 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Tran
     parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
     families = tuple(family for builder in builders for family in builder.families)
     return Transcription(problem, model, tuple(variables), tuple(phases), parameters, families)
-
-
