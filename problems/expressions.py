@@ -253,6 +253,8 @@ class _Audit(_Walk):
 
     def finite(self, node: Node, result: Any) -> Any:
         self.refuse(node, np.isnan(result), "is not a real number")
+        zero_of_log = isinstance(node, Operation) and node.symbol == "log"
+        self.refuse(node, np.isneginf(result), "is the logarithm of zero" if zero_of_log else "is too large a number")
         self.refuse(node, np.isinf(result), "is too large a number")
         return result
 

@@ -30,6 +30,7 @@ from .reload import Reloaded, reload
 
 RTOL, ATOL = 1e-10, 1e-12
 COMPLEX_STEP = 1e-30
+KINDS = {"path": "path", "residual": "residuals", "integral": "integral"}  # of constraints -> attribute of Phase
 
 
 @dataclass(frozen=True)
@@ -125,37 +126,48 @@ def _violation(name: str, g: np.ndarray, bounds: Range, t: np.ndarray, tolerance
 
 
 class _Hamiltonian:
-    """w, f, g, r of one phase along the collocation points, with their multipliers for the minimised objective."""
+    """H and L of one phase along the collocation points, each a sum of weight * function, for the minimised objective."""
 
     def __init__(self, result: Reloaded, number: int):
-        self.trajectory, self.sense = result.trajectories[number], result.problem.sense
+        self.trajectory = result.trajectories[number]
         self.phase: Phase = self.trajectory.phase
+        self.points = self.trajectory.mesh.collocated
+        phase, sense = self.phase, result.problem.sense
+        costate = sense * self.trajectory.point_costate[:, self.points]
+        self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
+        self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
+        self.constraints = []
+        functions = {(kind, c.name): c.function for kind in KINDS for c in getattr(phase, KINDS[kind])}
+        for (kind, name), multiplier in self._multipliers(result).items():
+            group = self.terms if kind == "integral" else self.constraints
+            group.append((multiplier, functions[kind, name]))
+
+    def _multipliers(self, result: Reloaded) -> dict:
+        """(kind, name) -> the multiplier function at the points; of an integral constraint, its one multiplier."""
         mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
-        self.points = mesh.collocated
-        self.costate = self.sense * self.trajectory.point_costate[:, self.points]
-        self.multipliers = {}
+        found: dict = {}
         for family in result.transcription.families:
-            if family.phase == self.phase.name and family.kind in ("path", "residual"):
-                y = result.outcome.y[result.nlp.rows(family.component)] / (family.weights * duration)
-                row = self.multipliers.setdefault((family.kind, family.name), np.zeros(len(mesh.fractions)))
-                row[np.searchsorted(mesh.fractions, family.span[:, 0] - 1e-14)] = y
+            if family.phase != self.phase.name or family.kind not in KINDS:
+                continue
+            y, key = result.outcome.y[result.nlp.rows(family.component)], (family.kind, family.name)
+            if family.kind == "integral":
+                found[key] = float(y[0])
+                continue
+            row = found.setdefault(key, np.zeros(len(mesh.fractions)))
+            row[np.searchsorted(mesh.fractions, family.span[:, 0] - 1e-14)] = y / (family.weights * duration)
+        return {key: y if isinstance(y, float) else y[self.points] for key, y in found.items()}
 
     def values(self) -> dict:
         t, x, u = (a[..., self.points] for a in (self.trajectory.times, self.trajectory.x, self.trajectory.u))
         return self.phase.values(t, x, u, self.trajectory.parameters)
 
     def hamiltonian(self, values: dict) -> np.ndarray:
-        """H = w + lambda f, (B.7)."""
-        phase = self.phase
-        w = self.sense * phase.lagrange(values, np) if phase.lagrange else 0.0
-        pairs = zip(self.costate, phase.states, strict=True)
-        return w + sum(costate * state.rate(values, np) for costate, state in pairs)
+        """H = w + lambda f, (B.7), and mu g for each integral constraint."""
+        return sum(weight * function(values, np) for weight, function in self.terms)
 
     def lagrangian(self, values: dict) -> np.ndarray:
         """L = H + nu g + kappa r."""
-        terms = [("path", c) for c in self.phase.path] + [("residual", c) for c in self.phase.residuals]
-        weighted = (self.multipliers[kind, c.name][self.points] * c.function(values, np) for kind, c in terms)
-        return self.hamiltonian(values) + sum(weighted)
+        return self.hamiltonian(values) + sum(weight * function(values, np) for weight, function in self.constraints)
 
     def derivative(self, function, values: dict, name: str) -> np.ndarray:
         """Of a function of the values by one of them, by the complex step."""
@@ -178,16 +190,12 @@ def _optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Che
 
 
 def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
-    """H(t) - H(t_0) - integral of dH/dt, relative to the largest of its terms."""
+    """H(t) - H(t_0) - integral of dL/dt, relative to the largest of its terms."""
     H = hamiltonian.hamiltonian(values)
-    explicit = hamiltonian.derivative(hamiltonian.hamiltonian, values, "t")
+    explicit = hamiltonian.derivative(hamiltonian.lagrangian, values, "t")
     drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
     drift -= (drift.max() + drift.min()) / 2
-    rates = [
-        np.abs(costate * state.rate(values, np))
-        for costate, state in zip(hamiltonian.costate, hamiltonian.phase.states, strict=True)
-    ]
-    scale = max(float(np.max(term)) for term in (*rates, np.abs(H))) or 1.0
+    scale = max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in hamiltonian.terms) or 1.0
     k = int(np.argmax(np.abs(drift)))
     return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, _at(t[k]))
 
@@ -203,17 +211,9 @@ def _pointing_out(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.ndar
 
 def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
     """The largest term of dL/du along the trajectory: what its zero is the balance of."""
-    phase = hamiltonian.phase
-    terms = [(costate, s.rate) for costate, s in zip(hamiltonian.costate, phase.states, strict=True)]
-    terms += [(1.0, phase.lagrange)] if phase.lagrange else []
-    terms += [
-        (hamiltonian.multipliers[kind, c.name][hamiltonian.points], c.function)
-        for kind, group in (("path", phase.path), ("residual", phase.residuals))
-        for c in group
-    ]
     sizes = [
         np.abs(weight * hamiltonian.derivative(lambda v, f=function: f(v, np), values, name)).max()
-        for weight, function in terms
+        for weight, function in hamiltonian.terms + hamiltonian.constraints
     ]
     return float(max(sizes)) or 1.0
 
