@@ -17,11 +17,13 @@ from itertools import pairwise
 import numpy as np
 
 from .implicit import consistent_inputs
+from .scheme import Scheme
 from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(3, 9)  # 8 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
 INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
+GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 
@@ -77,6 +79,35 @@ def _integral(trajectory: Trajectory, segments: np.ndarray, breaks: np.ndarray, 
     epsilon = np.abs(_epsilon(trajectory, trajectory.grid(segments, tau.ravel())))
     pieces = _romberg(epsilon.reshape(*epsilon.shape[:-1], *tau.shape))
     return pieces @ np.diff(breaks)
+
+
+def quadrature_error(trajectory: Trajectory) -> np.ndarray:
+    """The error of the integrals of each segment, relative to 1 + |the integral|: shape (integrals, N).
+
+    The integrands, of the objective and of integral constraints, are integrated along the interpolants (Gauss's rule
+    between neighbouring nodes), and compared with the scheme's own quadrature.
+    """
+    phase, mesh = trajectory.phase, trajectory.mesh
+    integrands = ([phase.lagrange] if phase.lagrange else []) + [c.function for c in phase.integral]
+    errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    for group in mesh.groups:
+        if not isinstance(group.scheme, Scheme):  # shooting integrates the integrands along with the states
+            continue
+        width = np.diff(group.scheme.sigma)[:, None]
+        tau = (group.scheme.sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
+        fine, own = (trajectory.grid(group.segments, t) for t in (tau, group.scheme.c))
+        for i, w in enumerate(integrands):
+            exact, rule = (_values(trajectory, w, sample) for sample in (fine, own))
+            difference = exact @ (width * weights / 2).ravel() - rule @ group.scheme.b
+            errors[i, group.segments] = np.abs(trajectory.h[group.segments] * difference)
+            totals[i] += float((trajectory.h[group.segments] * (rule @ group.scheme.b)).sum())
+    return errors / (1 + np.abs(totals[:, None]))
+
+
+def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
+    values = trajectory.phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    return np.broadcast_to(function(values, np), sample.t.shape)
 
 
 def _romberg(y: np.ndarray) -> np.ndarray:

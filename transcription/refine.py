@@ -1,8 +1,8 @@
 """Error of a solution -> the next mesh (paper, section 5.2 and Figure 7; Patterson, Hager and Rao 2015; Liu et al.
 2018).
 
-The error of segment s is its largest eta over the states, relative to 1 + the size of the state. A segment that
-exceeds the tolerance
+The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
+part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the tolerance
 
     is split into three around a discontinuity of its controls, the middle part closing in on it;
     gets more collocation points, P = log(error / tolerance) / log(degree) of them, if its method has a choice of degree
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .error import ErrorProfile
+from .error import ErrorProfile, quadrature_error
 from .mesh import Mesh
 from .scheme import Scheme
 from .schemes import MAX_DEGREE, METHODS
@@ -44,9 +44,9 @@ class Refinement:
 
 
 def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
-    """The largest eta of each segment relative to 1 + max |x|, shape (N,)."""
+    """The largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger, shape (N,)."""
     size = 1 + np.abs(trajectory.dense.x).max(axis=1, keepdims=True)
-    return (error.eta / size).max(axis=0)
+    return np.vstack([error.eta / size, quadrature_error(trajectory)]).max(axis=0)
 
 
 def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
