@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..problems.errors import FileError, Mistake, SpecError
+from ..problems.errors import Mistake, SpecError
 from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, native_output, one_line
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def _targets(specs: list[Spec], output: str | None) -> list[Path]:
         if len(specs) == 1 and not output.endswith(os.sep):
             return [Path(output)]
         reason = f"there are {len(specs)} problems" if len(specs) > 1 else "its name ends like that of a folder"
-        raise FileError(Mistake(f"-o {output}", f"this is no folder, but {reason}", "create the folder first"))
+        raise SpecError(Mistake(f"-o {output}", f"this is no folder, but {reason}", "create the folder first"))
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise SpecError(Mistake(twice, "two of the problems would go to this file", "solve one of them with -o"))
@@ -138,7 +138,8 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     with native_output(2), live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
         solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
-    write(job.target, solution, spec.text, spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]))
+    command = shlex.join(["trajopt", *sys.argv[1:]])
+    write(job.target, solution, spec.text, spec.model_dump_json(), command, spec.overrides)
     return solution
 
 

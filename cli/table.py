@@ -30,7 +30,7 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield from (("cause", cause) for cause in causes(summary))
         yield "remedy", summary["remedy"]
     yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"
-    yield "error", _error(summary["error"])
+    yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
@@ -49,16 +49,18 @@ def _reference(summary: dict[str, Any]) -> str:
     reference = summary["reference"]
     if not reference or not summary["solved"]:
         return ""
+    if reference["agrees"] is None:
+        return f"; {reference['objective']:.10g} is the reference of the file as it stands"
     if reference["agrees"]:
         return f"; agrees with the reference {reference['objective']:.10g}"
     return f"; differs from the reference {reference['objective']:.10g} by {reference['difference']:.2e}"
 
 
-def _error(error: dict[str, Any]) -> str:
+def _error(error: dict[str, Any], relative: float | None) -> str:
     if error["max_eta"] is None:
         return "the dynamics have no finite value along the trajectory"
     return (
-        f"max eta {error['max_eta']:.2e}, in {error['state']} "
+        f"relative {_eta(relative)}; max eta {error['max_eta']:.2e}, in {error['state']} "
         f"on segment {error['segment'] + 1}, t = {error['start']:.4g} to {error['end']:.4g}"
     )
 
@@ -68,7 +70,7 @@ def print_details(summary: dict[str, Any]) -> None:
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
     print()
-    columns = ("", "method", "segments", "status", "objective", "max eta", "iterations", "seconds")
+    columns = ("", "method", "segments", "status", "objective", "max eta", "error", "iterations", "seconds")
     right = [column for column in columns if column not in ("method", "status")]
     print_table(columns, [_mesh_row(mesh) for mesh in summary["meshes"]], right)
 
@@ -95,6 +97,7 @@ def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:
         mesh["status"],
         _number(mesh["objective"], 10),
         _eta(mesh["max_eta"]),
+        _eta(mesh["relative_error"]),
         str(mesh["iterations"]),
         f"{sum(mesh['seconds'].values()):.3f}",
     )

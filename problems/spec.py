@@ -274,6 +274,12 @@ class Spec(Entry):
         """Mistakes found later, whose `where` is a path such as solver.max_iter, at their place in the file."""
         return self._places.locate(mistakes)
 
+    @property
+    def overrides(self) -> tuple[str, ...]:
+        """The paths of the overrides that make another problem, or another mesh, of the file."""
+        shown = dict.fromkeys(self._places.overrides.values())
+        return tuple(path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note"))
+
     def attach(self, text: str, places: Places, warnings: Iterable[Finding]) -> Spec:
         """The same spec, knowing the text it was read from."""
         self._text, self._places, self._warnings = text, places, places.mistakes(warnings)

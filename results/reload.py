@@ -35,6 +35,7 @@ class Reloaded:
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
     solved: bool
+    overrides: tuple[str, ...]
 
 
 def _mesh(group: h5py.Group) -> Mesh:
@@ -64,7 +65,7 @@ def reload(path: Path) -> Reloaded:
             iterations={},
             seconds=0.0,
         )
-        solved = bool(file.attrs["solved"])
+        solved, overrides = bool(file.attrs["solved"]), tuple(file["spec"].attrs["overrides"])
     spec = load_text(full, str(path))
     problem = build(spec)
     transcription = transcribe(problem, [mesh] * len(problem.phases))
@@ -73,4 +74,4 @@ def reload(path: Path) -> Reloaded:
     if all(isinstance(scheme, Scheme | Shooting) for scheme in mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
-    return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved)
+    return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved, overrides)

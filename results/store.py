@@ -2,7 +2,8 @@
 
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
                                objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
-    /spec/                     text: the problem file as given; full: the same with every default, as JSON
+    /spec/                     text: the problem file as given; full: the same with every default, as JSON;
+                               attribute: overrides, the paths that the command line changed
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
             state/<name>, costate/<name>, control/<name>, algebraic/<name>
@@ -14,8 +15,9 @@
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
-                               attributes: every option, seconds_<part> over all meshes, violations, unmet (segments
-                               that refinement left above its tolerance), scaling (sizes of the automatic one, JSON)
+                               attributes: engine, every option, seconds_<part> over all meshes, violations,
+                               unmet_count and unmet (segments that refinement left above its tolerance), scaling
+                               (sizes of the automatic one, JSON)
 
 Arrays carry `units` and `long_name`, and their dimensions are HDF5 dimension scales, so that
 `xarray.open_datatree(file)` shows times as coordinates. (xarray wants a dimension to have one size in a group and all
@@ -88,8 +90,17 @@ def open_result(path: Path) -> Iterator[h5py.File]:
         yield file
 
 
-def write(path: Path, solution: Solution, spec_text: str, spec_full: str, command: str) -> None:
+def write(
+    path: Path,
+    solution: Solution,
+    spec_text: str,
+    spec_full: str,
+    command: str,
+    overrides: Sequence[str] = (),
+) -> None:
     """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError.
+
+    overrides: the paths that the command line changed, so that the file's reference is none of this result.
 
     HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
     """
@@ -97,6 +108,7 @@ def write(path: Path, solution: Solution, spec_text: str, spec_full: str, comman
         _write_head(file, solution, command)
         spec = _group(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
+        spec.attrs["overrides"] = list(overrides)
         phases = _group(file, "phase")
         for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
             group = _group(phases, trajectory.phase.name)

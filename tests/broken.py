@@ -321,7 +321,7 @@ EXPRESSIONS = [
     _rate("a trailing operator", "u +", "write what stands after it"),
     _rate("a superscript", "u²", "write **2"),
     _rate("a division by zero", "u/(m - 2)", '"u/(m - 2)" divides by zero with m = 2'),
-    _rate("a logarithm of zero", "u + log(m - 2)", "too large a number with m = 2"),
+    _rate("a logarithm of zero", "u + log(m - 2)", "is the logarithm of zero with m = 2"),
     _rate("a root of a negative number", "u*sqrt(-m)", '"sqrt(-m)" is not a real number with m = 2'),
     _edit("a parameter without a value", "T: 2*d", "T: 2/(d - 1)", "parameters.T", "divides by zero with d = 1"),
     _edit("a bound without a value", "upper: 2,", "upper: log(d - 1),", "states.x.upper", "change the expression"),

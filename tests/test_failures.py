@@ -161,7 +161,7 @@ NOT_FINITE = {
     ),
     "in the terminal objective": (
         problem(states="x: {rate: u, initial: 0}", objective='integral: u**2, terminal: "log(x[final])"'),
-        'terminal objective: "log(x[final])" is too large a number, where x[final] = 0',
+        'terminal objective: "log(x[final])" is the logarithm of zero, where x[final] = 0',
     ),
     "in a path constraint": (
         problem(states=LINE, extra="constraints: {path: [{name: p, expression: sqrt(x - 0.5), lower: -1}]}"),

@@ -139,3 +139,22 @@ def test_meshes_are_pure_data():
     assert mesh.segments == 4
     with pytest.raises(AttributeError):
         mesh.widths = None
+
+
+def test_the_quadrature_of_integrals_counts(tmp_path):
+    """States that any mesh meets exactly, and an integral that a coarse one does not: J = 12, not 13.9."""
+    (tmp_path / "area.yaml").write_text("""
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 0}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+constraints: {integral: [{expression: x, equals: 1}]}
+mesh: [{method: trapezoid, segments: 5}]
+refine: {tolerance: 1.0e-7}
+""")
+    spec = load(tmp_path / "area.yaml")
+    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
+    assert solution.meshes[0].relative_error > 1e-3
+    assert not solution.unmet
+    assert solution.objective == pytest.approx(12, abs=1e-3)

@@ -116,3 +116,41 @@ mesh: [{method: hermite-simpson, segments: 20}]
     assert solution.solved
     assert solution.max_eta > 0
     assert not [check for check in verify(tmp_path / "result.h5", 1e-2) if not check.passed]
+
+
+EXACT = {
+    "integral constraint": ("""
+states: {x: {rate: u, initial: 0}}
+controls: {u: {}}
+objective: {maximize: {integral: x}}
+constraints: {integral: [{expression: u**2, equals: 1}]}
+""", 1 / np.sqrt(3)),
+    "path constraint that depends on time": ("""
+states: {x: {rate: u1, initial: 0}}
+controls: {u1: {}, u2: {}}
+objective: {minimize: {integral: u1**2 + u2**2}}
+constraints: {path: [{expression: u1 + 2*u2 - t, equals: 0}]}
+""", 1 / 15),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["hermite-simpson", "gauss", "radau-left"])
+@pytest.mark.parametrize("name", EXACT)
+def test_exact_optima_with_constraints_pass(tmp_path, name, method):
+    body, objective = EXACT[name]
+    head = f"trajopt: 1\nname: {name}\ntime: {{initial: 0, final: 1}}\nmesh: [{{method: {method}, segments: 10}}]\n"
+    (tmp_path / "exact.yaml").write_text(head + body)
+    spec = load(tmp_path / "exact.yaml")
+    solution = solve(build_all(spec), steps(spec.mesh))
+    write(tmp_path / "result.h5", solution, spec.text, spec.model_dump_json(), "test")
+    assert solution.objective == pytest.approx(objective, abs=1e-8)
+    assert not [check for check in verify(tmp_path / "result.h5", 1e-4) if not check.passed]
+
+
+def test_a_reference_of_another_mesh_is_not_compared(tmp_path):
+    path, _ = stored(tmp_path, "cartpole", "mesh.0.segments=100")
+    assert not by_name(verify(path))["objective, difference from the reference"].passed
+    spec = load(shipped()["cartpole"], ["mesh.0.segments=100"])
+    solution = solve(build_all(spec), steps(spec.mesh))
+    write(path, solution, spec.text, spec.model_dump_json(), "test", spec.overrides)
+    assert "objective, difference from the reference" not in by_name(verify(path))

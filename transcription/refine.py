@@ -2,7 +2,8 @@
 2018).
 
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
-part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the tolerance
+part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
+tolerance
 
     is split into three around a discontinuity of its controls, the middle part closing in on it;
     gets more collocation points, P = log(error / tolerance) / log(degree) of them, if its method has a choice of degree
@@ -44,7 +45,7 @@ class Refinement:
 
 
 def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
-    """The largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger, shape (N,)."""
+    """The largest eta of each segment relative to 1 + max |x|, or error of an integral if larger, shape (N,)."""
     size = 1 + np.abs(trajectory.dense.x).max(axis=1, keepdims=True)
     return np.vstack([error.eta / size, quadrature_error(trajectory)]).max(axis=0)
 
