@@ -6,7 +6,7 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import wraps
@@ -108,8 +108,8 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     specs, mistakes = [], []
     for name in files:
         try:
-            spec = load(find(name), overrides, tuple(METHODS))
-            mistakes += spec.locate([*_check_options(spec.solver), *_check_meshes(spec.mesh)])
+            spec = load(find(name), overrides, tuple(METHODS), _check_options)
+            mistakes += spec.locate(_check_meshes(spec.mesh))
             specs.append(spec)
         except SpecError as error:
             mistakes += error.mistakes
@@ -138,11 +138,10 @@ def _in_entry(mistake: Mistake, number: int) -> Mistake:
     return replace(mistake, where=f"mesh.{number}.{key if key in ('substeps', 'control') else 'degree'}")
 
 
-def _check_options(solver) -> list[Mistake]:
-    options = solver.options
+def _check_options(engine: str, options: Mapping) -> list[Mistake]:
     if not options:
         return []
-    if solver.engine == "newton":
+    if engine == "newton":
         from ..transcription.newton import check_options
 
         return check_options(options)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from typing import Annotated
 
 import typer
@@ -48,8 +47,6 @@ def options(
 
 
 def main() -> None:
-    # A run imports, builds, solves and ends. Looking for cycles among what it imports and builds costs a tenth of that.
-    gc.disable()
     app()
 
 

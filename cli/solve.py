@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import logging
 import os
@@ -78,7 +77,6 @@ def solve(
         for job in jobs:
             solution = _run(job, interrupted, quiet, verbose)
             _tell(job, json_, quiet)
-            gc.collect()  # the next problem needs not keep the models of this one
             if interrupted():
                 raise typer.Exit(INTERRUPTED)
             code = code if solution.solved else NOT_SOLVED

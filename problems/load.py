@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from .checks import NO_STATES, check
 from .errors import FileError, Mistake, SpecError
 from .overrides import override
 from .places import Finding, Places
-from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS
+from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .repair import repair
 from .spec import Spec
 from .syntax import nearest
@@ -27,19 +27,31 @@ _UNSAFE = {
 }
 
 
-def load(source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
+OptionCheck = Callable[[str, Mapping[str, Any]], Sequence[Mistake]]
+"""(engine, options) -> what the engine does not take, each mistake at solver.NAME."""
+
+
+def load(
+    source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = (), options: OptionCheck | None = None
+) -> Spec:
     """The spec of a problem file.
 
     overrides: "PATH=VALUE" each, such as "parameters.u_max=15" or "mesh.*.segments=50", applied in turn and checked
-    as if they stood in the file. methods: the names that a mesh entry may give; none means any. What is odd but not
-    wrong is in `spec.warnings`.
+    as if they stood in the file. methods: the names that a mesh entry may give; none means any. options: asked about
+    the options of the engine, which only the engine knows. What is odd but not wrong is in `spec.warnings`.
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
-    return load_text(_read(Path(source)), str(source), overrides, methods)
+    return load_text(_read(Path(source)), str(source), overrides, methods, options)
 
 
-def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequence[str] = ()) -> Spec:
+def load_text(
+    text: str,
+    file: str,
+    overrides: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    options: OptionCheck | None = None,
+) -> Spec:
     """As `load`, from a text; `file` is the name used in messages."""
     document = yamltext.read(text, file)
     if document.data.get("mesh") is None:  # so that an override finds it; without a mesh, refinement is on
@@ -50,6 +62,8 @@ def load_text(text: str, file: str, overrides: Sequence[str] = (), methods: Sequ
     places = Places(file, document.lines, given)
     data.setdefault("name", Path(file).stem)
     early = _unsafe_options(data.get("solver"), places)
+    if options and isinstance(data.get("solver"), dict):
+        early += _refused_options(data["solver"], options, {finding.path[-1] for finding in early})
     if not data.get("states") and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
     try:
@@ -74,6 +88,17 @@ def _unsafe_options(solver: Any, places: Places) -> list[Finding]:
             remedy = f"remove it, and give it on the command line: --set solver.{brief(name)}=..."
             found.append(Finding(("solver", name), what, remedy))
     return found
+
+
+def _refused_options(solver: dict[str, Any], options: OptionCheck, known: set[str]) -> list[Finding]:
+    """What the engine itself says of the options that the schema has nothing to say of."""
+    own = {*Solver.model_fields, "tol", *known}
+    plain = {name: value for name, value in solver.items() if name not in own and isinstance(value, int | float | str)}
+    words = {True: "yes", False: "no"}
+    plain = {name: words[value] if isinstance(value, bool) else value for name, value in plain.items()}
+    engine = solver.get("engine", "ipopt")
+    mistakes = options(engine, plain) if engine in ("ipopt", "newton") else ()
+    return [Finding(("solver", m.where.removeprefix("solver.")), m.what, m.remedy) for m in mistakes]
 
 
 def _read(path: Path) -> str:

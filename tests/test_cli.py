@@ -460,3 +460,11 @@ def test_export_for_other_readers():
     assert trajopt("export", "shot_put", "a.tex", "--segments", "2", "--force").exit_code == 0
     other = trajopt("export", "shot_put", "a.mod")
     assert other.exit_code == 2 and ".nl, .gms, .tex" in other.stderr
+
+
+def test_options_of_the_engine_are_told_with_the_other_mistakes(folder):
+    text = shipped()["block_move_min_force"].read_text().replace("rate: v,", "rate: v, lowr: 0,")
+    Path("o.yaml").write_text(text + "solver: {max_itr: 5, hsllib: a.so, tol: 1.0e-6, print_level: high}\n")
+    told = trajopt("check", "o.yaml").stderr
+    for place in ("states.x.lowr", "solver.max_itr", "solver.hsllib", "solver.tol", "solver.print_level"):
+        assert f"{place}:" in told
