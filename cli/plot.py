@@ -73,6 +73,17 @@ def plot(
             print(path)
 
 
+def draw_trajectory(path: Path, force: bool) -> Path:
+    """The picture of one result in the current folder, for `solve --plot`."""
+    from ..results.curves import read
+    from ..results.style import check_picture, save
+
+    target, result = Path(f"{path.stem}.png"), read(path)
+    check_picture(target, PICTURES, force)
+    save([_figure("trajectory", result, (), False)], target, result.problem)
+    return target
+
+
 def _ending(kind: str) -> str:
     return ".png" if kind == "trajectory" else f"-{kind}.png"
 

@@ -40,6 +40,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
+Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, whatever it holds.")]
 
 
@@ -57,6 +58,7 @@ def solve(
     json_: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    plot: Plot = False,
     force: Force = False,
 ) -> None:
     """Solve problems and write a result file for each.
@@ -77,6 +79,10 @@ def solve(
         for job in jobs:
             solution = _run(job, interrupted, quiet, verbose)
             _tell(job, json_, quiet)
+            if plot:
+                from .plot import draw_trajectory
+
+                print(f"picture: {draw_trajectory(job.target, force)}", file=sys.stderr)
             if interrupted():
                 raise typer.Exit(INTERRUPTED)
             code = code if solution.solved else NOT_SOLVED

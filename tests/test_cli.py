@@ -468,3 +468,10 @@ def test_options_of_the_engine_are_told_with_the_other_mistakes(folder):
     told = trajopt("check", "o.yaml").stderr
     for place in ("states.x.lowr", "solver.max_itr", "solver.hsllib", "solver.tol", "solver.print_level"):
         assert f"{place}:" in told
+
+
+def test_a_solve_may_draw_its_result(folder):
+    result = trajopt("solve", "shot_put", "--plot", "-o", "a.h5")
+    assert result.exit_code == 0
+    assert "picture: a.png" in result.stderr
+    assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")

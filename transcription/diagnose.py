@@ -154,7 +154,8 @@ def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory
 
 def _count(transcription: Transcription, nlp: CompiledNLP) -> str:
     """How many equalities there are, of which kind, and how many unknowns."""
-    free = sum(variable.lb is None or variable.lb != variable.ub for variable in transcription.variables)
+    ranges = [variable.bounds for variable in transcription.variables]
+    free = sum(lower is None or lower != upper for lower, upper in ranges)
     counts: dict[str, int] = {}
     for family in transcription.families:
         rows = nlp.rows(family.component)

@@ -37,8 +37,7 @@ class Unknown(NamedTuple):
     """A free variable: its initial value and its bounds, None where there is none."""
 
     value: float
-    lb: float | None
-    ub: float | None
+    bounds: tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +80,8 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess: Sequence) -> Sho
     variables, phases, rows, families = [], [], [], []
 
     def place(bounds: Range, value: float) -> int:
-        variables.append(Unknown(float(value), *(b if isfinite(b) else None for b in (bounds.lower, bounds.upper))))
+        finite = tuple(b if isfinite(b) else None for b in (bounds.lower, bounds.upper))
+        variables.append(Unknown(float(value), finite))
         return len(variables) - 1
 
     for phase, mesh, start in zip(problem.phases, meshes, guess, strict=True):
