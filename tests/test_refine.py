@@ -158,3 +158,15 @@ refine: {tolerance: 1.0e-7}
     assert solution.meshes[0].relative_error > 1e-3
     assert not solution.unmet
     assert solution.objective == pytest.approx(12, abs=1e-3)
+
+
+def test_needless_points_are_taken_away():
+    solution = solve(growth(), [Step("radau", [1, 1, 40], 1e-11, [16, 16, 3])])
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    errors = relative_error(trajectory, error)
+    tolerance = float(errors[2]) / 2
+    assert errors[:2].max() < MERGE_MARGIN * tolerance
+    reduced = refine(trajectory, error, tolerance).mesh
+    assert max(scheme.degree for scheme in reduced.schemes[:2]) < 16
+    kept = refine(trajectory, error, tolerance, merge=False).mesh
+    assert [scheme.degree for scheme in kept.schemes[:2]] == [16, 16]

@@ -10,8 +10,9 @@ tolerance
         and the dynamics are smooth there: the Legendre coefficients of f decay fast;
     is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance.
 
-Neighbours of one scheme that are both far below the tolerance are merged. Two things keep splitting and merging from
-taking turns: only segments below MERGE_MARGIN of the tolerance are merged, and after MERGING_MESHES meshes none at all.
+Segments far below the tolerance lose points, and neighbours of one scheme that both are far below it are merged. Two
+things keep this and splitting from taking turns: it is done only below MERGE_MARGIN of the tolerance, and after
+MERGING_MESHES meshes not at all.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
 
 
 def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
-    """The mesh to solve on next; pure, it changes nothing. merge: whether segments may be merged too."""
+    """The mesh to solve on next; pure, it changes nothing. merge: whether segments may lose points and be merged."""
     mesh, errors = trajectory.mesh, relative_error(trajectory, error)
     above = np.flatnonzero(~(errors <= tolerance))
     if not len(above):
@@ -59,7 +60,8 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     pieces = []
     for s in range(mesh.segments):
         if errors[s] <= tolerance:
-            pieces.append([(mesh.widths[s], mesh.schemes[s])])
+            needless = merge and errors[s] < MERGE_MARGIN * tolerance
+            pieces.append([(mesh.widths[s], _lowered(mesh.schemes[s]) if needless else mesh.schemes[s])])
         else:
             pieces.append(_refine_segment(trajectory, s, float(errors[s]), tolerance))
     if merge:
@@ -107,6 +109,14 @@ def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
     more = int(np.ceil(np.log(ratio) / np.log(max(degree, MIN_DEGREE))))
     wanted = degree + DEGREE_STEP * -(-max(more, 1) // DEGREE_STEP)
     return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
+
+
+def _lowered(scheme: Scheme) -> Scheme:
+    """The scheme with fewer points, where its method has a choice and they stay enough to tell smooth from rough."""
+    method = METHODS[scheme.name]
+    if method.nodes is None or scheme.degree - DEGREE_STEP < MIN_DEGREE:
+        return scheme
+    return method.of_degree(scheme.degree - DEGREE_STEP)
 
 
 def _is_smooth(trajectory: Trajectory, s: int) -> bool:
