@@ -487,3 +487,15 @@ def test_unchecked_constraints_keep_nan():
     assert np.isnan(nlp.constraints_unchecked(z)).tolist() == [True, False, False, False]
     with pytest.raises(NotFinite):
         nlp.constraints(z)
+
+
+def test_times_of_the_points_are_data_only_where_a_function_asks_for_them():
+    from exact import growth, integration
+
+    from trajopt.transcription.mesh import Mesh
+    from trajopt.transcription.schemes import HERMITE_SIMPSON
+    from trajopt.transcription.transcribe import transcribe
+
+    for problem, asked in ((growth(), False), (integration(), True)):
+        block = transcribe(problem, [Mesh.of(HERMITE_SIMPSON, 3)]).model.phase["main"]
+        assert (block.component("fraction") is not None) == asked

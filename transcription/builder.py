@@ -73,7 +73,8 @@ class _Values(dict):
         return self[name]
 
     def names(self) -> list[str]:
-        return ["t", *self.makers, *(name for name in self if name != "t" and name not in self.makers)]
+        """All names but t."""
+        return [*self.makers, *(name for name in self if name != "t" and name not in self.makers)]
 
 
 class PhaseBuilder:
@@ -113,7 +114,8 @@ class PhaseBuilder:
             bound(block.component(name), bounds, value)
             block.component(name).fixed = bounds.fixed
         block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
-        self.data("fraction", block.point, mesh.fractions)
+        if _uses_time(phase):
+            self.data("fraction", block.point, mesh.fractions)
         names, points = self.stored()
         block.x = Var(names, self.points("stored", points))
         collocated = self.points("collocated", mesh.collocated)
@@ -183,6 +185,7 @@ class PhaseBuilder:
         for end, last in (("initial", False), ("final", True)):
             at_end = self.end_values(last)
             values |= {f"{name}[{end}]": at_end[name] for name in at_end.names() if name not in self.p}
+            values[f"t[{end}]"] = self.block.tF if last else self.block.t0
         return values
 
     # -- constraints and objective ---------------------------------------------------------------------------------
@@ -252,6 +255,25 @@ class PhaseBuilder:
             else:
                 total += sum(place.weight(k) * w(place.values(k), pyomo) for k in place.over)
         return total
+
+
+class _Probe(dict):
+    """Values of no meaning that remember which names are asked for."""
+
+    def __missing__(self, name: str) -> np.float64:
+        self[name] = np.float64(0.5)
+        return self[name]
+
+
+def _uses_time(phase: Phase) -> bool:
+    """Whether any function of the phase asks for t; where none does, the times of the points are no data of the model."""
+    probe = _Probe()
+    constraints = (*phase.residuals, *phase.path, *phase.integral)
+    functions = [state.rate for state in phase.states] + [c.function for c in constraints]
+    with np.errstate(all="ignore"):
+        for function in functions + [phase.lagrange] * (phase.lagrange is not None):
+            function(probe, np)
+    return "t" in probe
 
 
 def bound(variable, bounds: Range, value: float) -> None:
