@@ -266,7 +266,7 @@ class _Probe(dict):
 
 
 def _uses_time(phase: Phase) -> bool:
-    """Whether any function of the phase asks for t; where none does, the times of the points are no data of the model."""
+    """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
     probe = _Probe()
     constraints = (*phase.residuals, *phase.path, *phase.integral)
     functions = [state.rate for state in phase.states] + [c.function for c in constraints]
