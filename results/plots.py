@@ -49,14 +49,6 @@ PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number 
 PANEL_HEIGHT = 1.25
 
 
-def draw_states(
-    axes: Sequence[Axes], result: Result, names: Sequence[str] | None = None, bounds: Bounds = NO_BOUNDS
-) -> None:
-    """Draw states over time, each on its own axes; all of them if no names are given."""
-    for ax, name in zip(axes, result.states if names is None else names, strict=True):
-        draw_curve(ax, result, "state", name, bounds)
-
-
 def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
     """Draw one quantity of all phases over time: dense curve, points of the mesh, bounds, marks of the mesh.
 

@@ -106,9 +106,6 @@ class Solution:
         return max(error.max_eta for error in self.errors)
 
 
-ENGINES = ("ipopt", "newton")
-
-
 @dataclass(frozen=True)
 class Refine:
     """Refine until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
