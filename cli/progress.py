@@ -17,7 +17,7 @@ NAME_WIDTH = 20
 
 
 @contextmanager
-def live_line(name: str, meshes: int, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
+def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
     """The progress callback of `transcription.solve.solve`, or None where nothing should be shown.
 
     The line is gone when the block ends.
@@ -25,7 +25,7 @@ def live_line(name: str, meshes: int, wanted: bool) -> Iterator[Callable[[int, d
     if not (wanted and sys.stderr.isatty() and os.environ.get("TERM", "dumb") != "dumb"):
         yield None
         return
-    line = _Line(shorten(one_line(name), NAME_WIDTH), meshes)
+    line = _Line(shorten(one_line(name), NAME_WIDTH))
     line.write(f"{line.name}: building")
     try:
         yield line.show
@@ -36,13 +36,13 @@ def live_line(name: str, meshes: int, wanted: bool) -> Iterator[Callable[[int, d
 class _Line:
     """The last line of a terminal, written over and over."""
 
-    def __init__(self, name: str, meshes: int):
-        self.name, self.meshes, self.written = name, meshes, 0.0
+    def __init__(self, name: str):
+        self.name, self.written = name, 0.0
 
     def show(self, mesh: int, record: dict) -> None:
         if time.monotonic() - self.written >= SECONDS_BETWEEN:
             self.write(
-                f"{self.name}: mesh {mesh + 1}/{self.meshes}, iteration {record['iteration']}, "
+                f"{self.name}: mesh {mesh + 1}, iteration {record['iteration']}, "
                 f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.0e}"
             )
 

@@ -73,7 +73,9 @@ def solve(
     if not quiet:
         for warning in dict.fromkeys(warning for spec in specs for warning in spec.warnings):
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
-    logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.INFO if verbose else logging.WARNING)
+    logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
+    if verbose:
+        logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
     code = 0
     with _interruptible() as interrupted:
         for job in jobs:
@@ -139,7 +141,7 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     from .progress import live_line, print_iteration
 
     spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
-    with native_output(2), live_line(spec.name, len(schedule), wanted=not (quiet or verbose)) as line:
+    with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
         solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
     command = shlex.join(["trajopt", *sys.argv[1:]])

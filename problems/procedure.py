@@ -92,7 +92,7 @@ class Refine(Entry):
 
 
 class Solver(Entry):
-    """Which solver runs, and how. Every key but `engine` and `accept` is an option of that solver."""
+    """Which solver runs, and how. Every key but those named here is an option of that solver."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, Option]
@@ -102,6 +102,9 @@ class Solver(Entry):
     )
     accept: Literal["optimal", "acceptable"] = Field(
         "optimal", description="count IPOPT's acceptable point as solved (acceptable) or not (optimal, the default)"
+    )
+    coarse_start: bool = Field(
+        True, description="solve a large first mesh from the solution on a coarse one (default), or from the guess"
     )
 
     @property

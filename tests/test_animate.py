@@ -6,22 +6,17 @@ from math import cos, pi, sin
 
 import numpy as np
 import pytest
-import typer
+from command_line import solved_once, trajopt
 from matplotlib.figure import Figure
 from PIL import Image
-from typer.testing import CliRunner
 
-from trajopt.cli.main import app as trajopt
-from trajopt.cli.plot import animate, plot
 from trajopt.problems.drawings import DRAWINGS, Circle, Polyline, Rectangle, drawing_of
 from trajopt.problems.errors import SpecError
 from trajopt.results.animate import scene, stop_action
 from trajopt.results.curves import read
 from trajopt.results.style import PARTS
 
-app = typer.Typer()
-app.command()(plot)
-app.command()(animate)
+pytestmark = pytest.mark.usefixtures("folder")
 
 DRAWN = {  # a shipped problem -> its drawing, and the overrides that make it small
     "cartpole": ("cart_pole", "mesh.-1.segments=10"),
@@ -36,30 +31,13 @@ DRAWN = {  # a shipped problem -> its drawing, and the overrides that make it sm
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     """name -> a result file, each solved once."""
-    folder, made = tmp_path_factory.mktemp("results"), {}
+    folder = tmp_path_factory.mktemp("results")
 
     def solve(name: str):
-        if name not in made:
-            made[name] = folder / f"{name}.h5"
-            small = ["--set", DRAWN[name][1]] if name in DRAWN else []
-            run = CliRunner().invoke(trajopt, ["solve", name, *small, "-q", "-o", str(made[name])])
-            assert run.exit_code == 0, repr(run.exception)
-        return made[name]
+        small = ["--set", DRAWN[name][1]] if name in DRAWN else []
+        return solved_once(folder / f"{name}.h5", name, *small)
 
     return solve
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(*arguments):
-    """A run inside this process. Anything but an exit with a code is a bug."""
-    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
-    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
-    return result
 
 
 def shapes_of(drawing, role, values, parameters):
@@ -112,14 +90,14 @@ def test_drawing_named_in_the_file_comes_first():
 
 
 def test_problem_without_drawing_is_told_so(solved, folder):
-    result = run("animate", solved("van_der_pol"))
+    result = trajopt("animate", solved("van_der_pol"))
     assert result.exit_code == 2
     assert "no drawing" in result.stderr and "cart_pole" in result.stderr
     assert not list(folder.iterdir())
 
 
 def test_film(solved, folder):
-    result = run("animate", solved("cartpole"), "--frames", "5", "--fps", "10")
+    result = trajopt("animate", solved("cartpole"), "--frames", "5", "--fps", "10")
     assert (result.exit_code, result.stdout) == (0, "cartpole.gif\n")
     film = Image.open("cartpole.gif")
     assert (film.n_frames, film.info["loop"], film.info["duration"]) == (5, 0, 100)
@@ -133,11 +111,11 @@ def test_film(solved, folder):
     assert all(np.abs(a - b).max() > 100 for a, b in pairwise(frames))
     blue = (frames[0] == (0, 0x72, 0xB2)).all(axis=-1)
     assert blue.sum() > 100  # the cart, in its very colour
-    assert run("animate", solved("cartpole"), "--frames", "2").exit_code == 0  # our own film is replaced
+    assert trajopt("animate", solved("cartpole"), "--frames", "2").exit_code == 0  # our own film is replaced
 
 
 def test_film_runs_in_real_time(solved):
-    assert run("animate", solved("cartpole"), "--fps", "15").exit_code == 0  # 2 s
+    assert trajopt("animate", solved("cartpole"), "--fps", "15").exit_code == 0  # 2 s
     assert Image.open("cartpole.gif").n_frames == 30
 
 
@@ -151,21 +129,21 @@ def test_film_runs_in_real_time(solved):
 )
 def test_targets(solved, folder, name, code, words):
     (folder / "foreign.gif").write_bytes(b"GIF89a of somebody else")
-    result = run("animate", solved("cartpole"), "--frames", "2", "-o", name)
+    result = trajopt("animate", solved("cartpole"), "--frames", "2", "-o", name)
     assert result.exit_code == code
     assert words in result.stderr
 
 
 def test_mp4_without_ffmpeg_is_refused(solved, monkeypatch):
     monkeypatch.setenv("PATH", "/nowhere")
-    result = run("animate", solved("cartpole"), "-o", "film.mp4")
+    result = trajopt("animate", solved("cartpole"), "-o", "film.mp4")
     assert result.exit_code == 2
     assert "install ffmpeg" in result.stderr
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="there is no ffmpeg")
 def test_mp4(solved, folder):
-    assert run("animate", solved("cartpole"), "--frames", "5", "-o", "film.mp4").exit_code == 0
+    assert trajopt("animate", solved("cartpole"), "--frames", "5", "-o", "film.mp4").exit_code == 0
     content = (folder / "film.mp4").read_bytes()
     assert content[4:8] == b"ftyp" and b"Software: trajopt" in content
 
@@ -195,7 +173,7 @@ def test_stop_action_of_the_biped_tells_its_parts_apart(solved):
 
 @pytest.mark.parametrize("target", ["poses.png", "poses.pdf"])
 def test_stop_action_picture(solved, folder, target):
-    assert run("animate", solved("shot_put"), "--frames", "4", "-o", target).exit_code == 0
+    assert trajopt("animate", solved("shot_put"), "--frames", "4", "-o", target).exit_code == 0
     assert (folder / target).stat().st_size > 3000
 
 

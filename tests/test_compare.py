@@ -3,9 +3,8 @@
 import json
 
 import pytest
-from typer.testing import CliRunner
+from command_line import solved_once, trajopt
 
-from trajopt.cli.main import app
 from trajopt.problems.errors import FileError
 from trajopt.results.compare import compare
 
@@ -20,7 +19,7 @@ def results(tmp_path_factory):
         "block.h5": ["block_move_min_force"],
     }
     for name, arguments in runs.items():
-        assert CliRunner().invoke(app, ["solve", *arguments, "-q", "-o", str(folder / name)]).exit_code == 0
+        solved_once(folder / name, *arguments)
     return folder
 
 
@@ -42,11 +41,11 @@ def test_results_without_a_common_state_are_refused(results):
 
 
 def test_command_line(results):
-    paths = [str(results / name) for name in ("fine.h5", "coarse.h5")]
-    table = CliRunner().invoke(app, ["compare", *paths])
+    paths = [results / name for name in ("fine.h5", "coarse.h5")]
+    table = trajopt("compare", *paths)
     assert table.exit_code == 0
     assert len(table.stdout.splitlines()) == 3
-    rows = [json.loads(line) for line in CliRunner().invoke(app, ["compare", *paths, "--json"]).stdout.splitlines()]
+    rows = [json.loads(line) for line in trajopt("compare", *paths, "--json").stdout.splitlines()]
     assert [row["segments"] for row in rows] == [100, 20]
-    missing = CliRunner().invoke(app, ["compare", paths[0], "missing.h5"])
+    missing = trajopt("compare", paths[0], "missing.h5")
     assert missing.exit_code == 3

@@ -5,9 +5,8 @@ import re
 import warnings
 
 import pytest
-from typer.testing import CliRunner
+from command_line import trajopt
 
-from trajopt.cli.main import app
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
 from trajopt.transcription.schemes import METHODS
@@ -250,13 +249,13 @@ def test_redundant_constraints_are_no_failure():
     assert solution.solved and solution.objective == pytest.approx(12)
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("accept", ["optimal", "acceptable"])
-def test_acceptable_level(accept, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_acceptable_level(accept):
     loose = ("acceptable_tol", "acceptable_constr_viol_tol", "acceptable_dual_inf_tol", "acceptable_compl_inf_tol")
     options = [f"solver.{name}=1e2" for name in loose] + ["solver.acceptable_iter=1", f"solver.accept={accept}"]
     arguments = [argument for option in options for argument in ("--set", option)]
-    result = CliRunner().invoke(app, ["solve", "cartpole", "--json", *arguments])
+    result = trajopt("solve", "cartpole", "--json", *arguments)
     summary = json.loads(result.stdout)
     assert summary["status"] == "acceptable"
     assert summary["solved"] is (accept == "acceptable")
@@ -265,11 +264,10 @@ def test_acceptable_level(accept, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("case", ["log of a negative", "a derivative", "division by time"])
-def test_the_table_explains_and_the_file_is_written(case, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_table_explains_and_the_file_is_written(case, folder):
     text, sentence = NOT_FINITE[case]
-    (tmp_path / "bad.yaml").write_text(text)
-    result = CliRunner().invoke(app, ["solve", "bad.yaml"])
+    (folder / "bad.yaml").write_text(text)
+    result = trajopt("solve", "bad.yaml")
     assert result.exit_code == 1
     assert result.stdout.startswith("a failure: NOT SOLVED\n")
     lines = dict(line.split(maxsplit=1) for line in result.stdout.splitlines()[1:])
@@ -277,5 +275,5 @@ def test_the_table_explains_and_the_file_is_written(case, tmp_path, monkeypatch)
     assert lines["remedy"].startswith("bound the variables")
     assert result.stderr.startswith("not solved: a failure: ") and result.stderr.count("\n") == 1
     assert sentence in result.stderr
-    shown = CliRunner().invoke(app, ["show", "bad.h5"])
+    shown = trajopt("show", "bad.h5")
     assert shown.exit_code == 1 and sentence in shown.stdout

@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,16 +10,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from command_line import TRAJOPT
 
-TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]
+pytestmark = pytest.mark.usefixtures("folder")
+
 LONG = ["solve", "cartpole", "--segments", "4000"]  # a second of building and another of solving
 PATIENCE = 60
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @contextmanager

@@ -4,27 +4,21 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-import typer
+from command_line import solved_once, trajopt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
-from typer.testing import CliRunner
 
-from trajopt.cli.main import app as trajopt
-from trajopt.cli.plot import animate, plot
 from trajopt.problems.errors import SpecError
 from trajopt.problems.problem import Range
 from trajopt.results import plots
 from trajopt.results.curves import bounds_of, read
 from trajopt.results.style import DPI, Numbers, drawn_by_us
 
-app = typer.Typer()
-app.command()(plot)
-app.command()(animate)
+pytestmark = pytest.mark.usefixtures("folder")
 
 SOLVES = {
     "cartpole": ("cartpole", "--segments", "5"),
@@ -38,29 +32,8 @@ SOLVES = {
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     """name -> a result file, each solved once."""
-    folder, made = tmp_path_factory.mktemp("results"), {}
-
-    def solve(name: str) -> Path:
-        if name not in made:
-            made[name] = folder / f"{name}.h5"
-            run = CliRunner().invoke(trajopt, ["solve", *SOLVES[name], "-q", "-o", str(made[name])])
-            assert run.exit_code == (name == "unsolved") and made[name].exists(), repr(run.exception)
-        return made[name]
-
-    return solve
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(*arguments):
-    """A run inside this process. Anything but an exit with a code is a bug."""
-    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
-    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
-    return result
+    folder = tmp_path_factory.mktemp("results")
+    return lambda name: solved_once(folder / f"{name}.h5", *SOLVES[name], code=int(name == "unsolved"))
 
 
 def titles(figure):
@@ -72,7 +45,7 @@ def labels(ax):
 
 
 def test_picture_is_drawn_at_150_dpi_and_is_not_blank(solved, folder):
-    result = run("plot", solved("cartpole"))
+    result = trajopt("plot", solved("cartpole"))
     assert (result.exit_code, result.stdout) == (0, "cartpole.png\n")
     picture = Image.open(folder / "cartpole.png")
     figure = plots.trajectory_figure(read(solved("cartpole")))
@@ -146,16 +119,16 @@ def test_unreadable_problem_is_drawn_without_bounds(solved, folder):
         spec["mesh"] = "of another version"
         del file["spec/full"]
         file["spec/full"] = json.dumps(spec)
-    result = run("plot", changed)
+    result = trajopt("plot", changed)
     assert result.exit_code == 0
     assert "warning" in result.stderr and "without bounds" in result.stderr
-    assert run("plot", changed, "--no-bounds").stderr == ""
+    assert trajopt("plot", changed, "--no-bounds").stderr == ""
 
 
 def test_unsolved_result_says_so(solved):
     figure = plots.trajectory_figure(read(solved("unsolved")))
     assert "NOT SOLVED: ran out of iterations" in figure.get_suptitle()
-    assert run("plot", solved("unsolved"), "--error").exit_code == 0
+    assert trajopt("plot", solved("unsolved"), "--error").exit_code == 0
 
 
 def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):
@@ -180,14 +153,14 @@ def test_mesh_picture_shows_every_mesh(solved):
 
 
 def test_several_pictures_are_several_files_or_pages(solved, folder):
-    assert run("plot", solved("cartpole"), "--error", "--mesh").stdout.split() == [
+    assert trajopt("plot", solved("cartpole"), "--error", "--mesh").stdout.split() == [
         "cartpole-error.png",
         "cartpole-mesh.png",
     ]
-    assert run("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.pdf").exit_code == 0
+    assert trajopt("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.pdf").exit_code == 0
     content = (folder / "both.pdf").read_bytes()
     assert content.startswith(b"%PDF") and b"/Count 2" in content
-    refused = run("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.png")
+    refused = trajopt("plot", solved("cartpole"), "--error", "--mesh", "-o", "both.png")
     assert refused.exit_code == 2
     assert "one file cannot hold two pictures" in refused.stderr
 
@@ -195,11 +168,11 @@ def test_several_pictures_are_several_files_or_pages(solved, folder):
 def test_several_results_go_to_a_folder(solved, folder):
     (folder / "out").mkdir()
     pair = solved("cartpole"), solved("bounded")
-    assert run("plot", *pair, "-o", "out", "--only", "v,v1").exit_code == 2  # neither has both
-    assert run("plot", *pair, "-o", "out").stdout.split() == ["out/cartpole.png", "out/bounded.png"]
-    assert run("plot", *pair, "-o", "one.png").exit_code == 3
-    assert run("plot", pair[0], pair[0], "-o", "out").exit_code == 2
-    assert run("plot", pair[0], "-o", "missing/").exit_code == 3
+    assert trajopt("plot", *pair, "-o", "out", "--only", "v,v1").exit_code == 2  # neither has both
+    assert trajopt("plot", *pair, "-o", "out").stdout.split() == ["out/cartpole.png", "out/bounded.png"]
+    assert trajopt("plot", *pair, "-o", "one.png").exit_code == 3
+    assert trajopt("plot", pair[0], pair[0], "-o", "out").exit_code == 2
+    assert trajopt("plot", pair[0], "-o", "missing/").exit_code == 3
 
 
 def test_chosen_names(solved):
@@ -209,11 +182,11 @@ def test_chosen_names(solved):
         "u [N]",
         "costate of q2 [objective/rad]",
     ]
-    refused = run("plot", solved("cartpole"), "--only", "q9")
+    refused = trajopt("plot", solved("cartpole"), "--only", "q9")
     assert refused.exit_code == 2
     assert 'there is no "q9"' in refused.stderr
-    assert run("plot", solved("cartpole"), "--only", "u", "--error").exit_code == 2
-    assert run("plot", solved("cartpole"), "--only", "u", "--mesh").exit_code == 2
+    assert trajopt("plot", solved("cartpole"), "--only", "u", "--error").exit_code == 2
+    assert trajopt("plot", solved("cartpole"), "--only", "u", "--mesh").exit_code == 2
 
 
 @pytest.mark.parametrize(
@@ -228,7 +201,7 @@ def test_chosen_names(solved):
 )
 def test_targets(solved, folder, arguments, code, words):
     (folder / "foreign.png").write_bytes(b"\x89PNG\r\n\x1a\n of somebody else")
-    result = run("plot", solved("cartpole"), "--only", "u", *arguments)
+    result = trajopt("plot", solved("cartpole"), "--only", "u", *arguments)
     assert result.exit_code == code
     assert words in result.stderr
     assert drawn_by_us(folder / "foreign.png") == ("--force" in arguments)
@@ -238,7 +211,7 @@ def test_targets(solved, folder, arguments, code, words):
 def test_our_own_picture_is_replaced_and_comes_out_the_same(solved, folder, suffix):
     pictures = []
     for _ in range(2):
-        assert run("plot", solved("cartpole"), "--only", "u", "-o", f"u{suffix}").exit_code == 0
+        assert trajopt("plot", solved("cartpole"), "--only", "u", "-o", f"u{suffix}").exit_code == 0
         pictures.append((folder / f"u{suffix}").read_bytes())
     assert pictures[0] == pictures[1]
     assert sorted(path.name for path in folder.iterdir()) == [f"u{suffix}"]
@@ -246,8 +219,8 @@ def test_our_own_picture_is_replaced_and_comes_out_the_same(solved, folder, suff
 
 def test_what_is_no_result_is_refused(folder):
     (folder / "text.h5").write_text("no HDF5")
-    assert run("plot", "text.h5").exit_code == 3
-    assert run("plot", "missing.h5").exit_code == 3
+    assert trajopt("plot", "text.h5").exit_code == 3
+    assert trajopt("plot", "missing.h5").exit_code == 3
 
 
 def chain(states: int, name: str = "x") -> str:
@@ -262,7 +235,7 @@ def chain(states: int, name: str = "x") -> str:
 @pytest.mark.parametrize(("states", "name"), [(1, "x"), (20, "a_rather_long_name_of_a_state_")])
 def test_panels_of_one_and_of_many_states_do_not_overlap(folder, states, name):
     (folder / "chain.yaml").write_text(chain(states, name))
-    assert CliRunner().invoke(trajopt, ["solve", "chain.yaml", "-q"]).exit_code == 0
+    assert trajopt("solve", "chain.yaml", "-q").exit_code == 0
     figure = plots.trajectory_figure(read(folder / "chain.h5"))
     assert len(figure.axes) == 2 * states + 1
     boxes = [ax.get_tightbbox(FigureCanvasAgg(figure).get_renderer()).frozen() for ax in figure.axes]
@@ -272,7 +245,7 @@ def test_panels_of_one_and_of_many_states_do_not_overlap(folder, states, name):
 
 def test_too_many_panels_are_refused_with_a_way_out(folder):
     (folder / "chain.yaml").write_text(chain(90))
-    assert CliRunner().invoke(trajopt, ["solve", "chain.yaml", "-q"]).exit_code == 0
+    assert trajopt("solve", "chain.yaml", "-q").exit_code == 0
     result = read(folder / "chain.h5")
     with pytest.raises(SpecError, match="--only"):
         plots.trajectory_figure(result)

@@ -1,36 +1,22 @@
 """`trajopt reproduce`: the checks, the page, the figures, and what is refused."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from command_line import process, trajopt
 from PIL import Image
-from typer.testing import CliRunner
 
-from trajopt.cli.main import app
 from trajopt.results.figures.example import Run, peak
 from trajopt.results.paper_values import EFFORTS, SWITCH, U_MAX, VALUES, WORK, at_least, at_most, near, printed
 from trajopt.results.reproduce import EXAMPLES
 
+pytestmark = pytest.mark.usefixtures("folder")
+
 NAMES = ("block", "splines", "refinement", "cartpole", "biped", "min_work", "points", "pendulum")
 PAPER_FIGURES = ("02", "03", "04", "05", "06", "07", "09", "10", "11", "13", "14", "15", "16", "17", "19", "20")
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def trajopt(*arguments):
-    """A run inside this process. Anything but an exit with a code is a bug."""
-    result = CliRunner().invoke(app, ["reproduce", *map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
-    return result
 
 
 class Page(HTMLParser):
@@ -59,10 +45,7 @@ class Page(HTMLParser):
 
 def test_the_whole_paper(folder):
     """All solves, all checks and all figures in one process; one test, so that a parallel run does it once."""
-    script = "from trajopt.cli.main import main; main()"
-    run = subprocess.run(
-        [sys.executable, "-c", script, "reproduce", "--check", "--json"], capture_output=True, text=True, check=False
-    )
+    run = process("reproduce", "--check", "--json")
     assert run.stderr == ""
     made = json.loads(run.stdout)
     assert [check for check in made["checks"] if not check["passed"]] == []
@@ -137,7 +120,7 @@ def test_the_peak_between_the_samples():
 def test_a_wrong_expectation_fails(folder, monkeypatch):
     wrong = near("least number of subsegments", 3, 0)
     monkeypatch.setitem(VALUES, "refinement", (*VALUES["refinement"][1:], wrong))
-    run = trajopt("refinement", "--no-figures")
+    run = trajopt("reproduce", "refinement", "--no-figures")
     assert run.exit_code == 1
     assert [line.split()[:2] for line in run.stdout.splitlines() if "FAIL" in line] == [["FAIL", "refinement"]]
     assert "3 checks: 1 failure" in run.stdout
@@ -150,7 +133,7 @@ def test_a_problem_that_is_not_solved_fails(folder, monkeypatch):
     stopped = Run("pendulum", ("solver.engine=ipopt", "solver.max_iter=1"), shown=True)
     runs = {"pendulum": example.runs["pendulum"], "pendulum_ipopt": stopped}
     monkeypatch.setitem(EXAMPLES, "pendulum", replace(example, runs=runs))
-    run = trajopt("pendulum", "--json")
+    run = trajopt("reproduce", "pendulum", "--json")
     assert (run.exit_code, json.loads(run.stdout)["unsolved"]) == (1, {"pendulum_ipopt": "ran out of iterations"})
     assert (
         "pendulum_ipopt was not solved: ran out of iterations" in (folder / "reproduction" / "index.html").read_text()
@@ -158,7 +141,7 @@ def test_a_problem_that_is_not_solved_fails(folder, monkeypatch):
 
 
 def test_without_check_only_what_the_figures_show_is_solved(folder):
-    run = trajopt("pendulum", "-o", "some")
+    run = trajopt("reproduce", "pendulum", "-o", "some")
     assert run.exit_code == 0, run.output
     shown = {name for name, run in EXAMPLES["pendulum"].runs.items() if run.shown}
     assert {path.stem for path in (folder / "some" / "results").iterdir()} == shown
@@ -170,9 +153,9 @@ def test_without_check_only_what_the_figures_show_is_solved(folder):
 
 
 def test_an_own_folder_is_renewed_and_what_else_is_in_it_stays(folder):
-    assert trajopt("points").exit_code == 0
+    assert trajopt("reproduce", "points").exit_code == 0
     (folder / "reproduction" / "notes.txt").write_text("mine")
-    assert trajopt("splines", "--no-figures").exit_code == 0
+    assert trajopt("reproduce", "splines", "--no-figures").exit_code == 0
     assert (folder / "reproduction" / "notes.txt").read_text() == "mine"
     assert (folder / "reproduction" / "figures" / "fig19_collocation_points.png").exists()
     assert "Splines" in (folder / "reproduction" / "index.html").read_text()
@@ -181,25 +164,25 @@ def test_an_own_folder_is_renewed_and_what_else_is_in_it_stays(folder):
 def test_a_foreign_folder_is_refused(folder):
     (folder / "mine").mkdir()
     (folder / "mine" / "index.html").write_text("<p>my own page</p>")
-    run = trajopt("points", "-o", "mine")
+    run = trajopt("reproduce", "points", "-o", "mine")
     assert (run.exit_code, run.stdout) == (3, "")
     assert "was not made by 'trajopt reproduce'" in run.stderr
     assert [path.name for path in (folder / "mine").iterdir()] == ["index.html"]
     assert (folder / "mine" / "index.html").read_text() == "<p>my own page</p>"
     (folder / "file").write_text("x")
-    assert trajopt("points", "-o", "file").exit_code == 3
+    assert trajopt("reproduce", "points", "-o", "file").exit_code == 3
 
 
 def test_a_foreign_picture_in_an_own_folder_is_not_replaced(folder):
-    assert trajopt("points").exit_code == 0
+    assert trajopt("reproduce", "points").exit_code == 0
     picture = folder / "reproduction" / "figures" / "fig19_collocation_points.png"
     picture.write_bytes(b"mine")
-    assert trajopt("points").exit_code == 3
+    assert trajopt("reproduce", "points").exit_code == 3
     assert picture.read_bytes() == b"mine"
 
 
 def test_an_unknown_example_is_a_mistake(folder):
-    run = trajopt("cartpol", "points")
+    run = trajopt("reproduce", "cartpol", "points")
     assert run.exit_code == 2
     assert "did you mean cartpole?" in run.stderr
     assert list(folder.iterdir()) == []

@@ -178,9 +178,9 @@ def test_a_spec_made_in_python_builds():
     assert build(spec).name == "a good file"
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("name", ["cartpole", "cartpole.yaml"])
-def test_shipped_problems_by_name(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_shipped_problems_by_name(name):
     assert find(name) == shipped()["cartpole"]
 
 
@@ -190,15 +190,14 @@ def test_a_name_that_is_not_shipped(name, says):
         find(name)
 
 
-def test_a_file_of_ones_own_comes_before_a_shipped_one(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cartpole.yaml").write_text(broken.GOOD)
+def test_a_file_of_ones_own_comes_before_a_shipped_one(folder):
+    (folder / "cartpole.yaml").write_text(broken.GOOD)
     assert load(find("cartpole.yaml")).name == "a good file"
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(("name", "source"), [("my_problem", "template"), ("swing: up.yaml", "cartpole")])
-def test_a_new_file_starts_from_another(name, source, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_new_file_starts_from_another(name, source):
     path = start_new(name, source)
     assert path.suffix == ".yaml" and load(path).name == path.stem
     with pytest.raises(FileError, match="--force"):

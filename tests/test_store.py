@@ -297,6 +297,7 @@ def test_other_hdf5_files_and_other_problems(tmp_path):
         pass
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
     ("target", "words"),
     [
@@ -306,8 +307,7 @@ def test_other_hdf5_files_and_other_problems(tmp_path):
         ("/proc/a.h5", "folder cannot be written"),
     ],
 )
-def test_targets_that_cannot_be_written(tmp_path, monkeypatch, target, words):
-    monkeypatch.chdir(tmp_path)
+def test_targets_that_cannot_be_written(target, words):
     with pytest.raises(FileError, match=words):
         check_target(store.Path(target), "shot put", force=True)
 

@@ -57,6 +57,17 @@ class Mesh:
     def segments(self) -> int:
         return len(self.widths)
 
+    def coarsened(self, points: int) -> Mesh | None:
+        """A mesh with about that many points in all, knots of this one between its segments.
+
+        None if schemes differ, or are of another kind than collocation.
+        """
+        if len(self.groups) > 1 or not isinstance(self.schemes[0], Scheme):
+            return None
+        segments = min(max(points // int(self.degrees[0]), 1), self.segments)
+        kept = np.linspace(0, self.segments, segments + 1).round().astype(int)
+        return Mesh(self.schemes[:segments], np.diff(self.edges[kept]))
+
     @cached_property
     def degrees(self) -> np.ndarray:
         """Points per segment, the one shared with the next segment not counted, shape (N,)."""

@@ -28,8 +28,13 @@ from .scaling import scale
 from .scheme import Scheme
 from .schemes import find
 from .trajectory import Trajectory, trajectories
-from .transcribe import Transcription, compiled, transcribe
+from .transcribe import Transcription, check_size, compiled, transcribe
 from .warm import Solved, warm_start
+
+
+LARGE, COARSE = 400, 100
+"""Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
+methods and 1000 points, 0.55 of the time of a start from the guess; up to 6 times less where that takes long."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +123,7 @@ class Refine:
 class Settings:
     """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
     whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
-    scaling should not choose itself.
+    scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -126,6 +131,7 @@ class Settings:
     accept: Status = Status.SOLVED
     refine: Refine | None = None
     scaling: Mapping[str, float] | None = None
+    coarse_start: bool = True
 
     def run(self) -> Callable[..., Outcome]:
         """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
@@ -144,6 +150,7 @@ def settings_of(spec: Spec) -> Settings:
         accept=Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED,
         refine=Refine(spec.refine.tolerance, spec.refine.max_meshes) if spec.refine else None,
         scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
+        coarse_start=spec.solver.coarse_start,
     )
 
 
@@ -159,17 +166,20 @@ def solve(
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
     problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
-    the problem's own. progress: called with the number of the mesh and the engine's record of each iteration. stop:
+    the problem's own. progress: called with the number of the solve and the engine's record of each iteration. stop:
     asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
-    told by the status.
+    told by the status. The history tells of every mesh solved, a coarse one before a large first one too.
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     history, solved, unmet = [], None, ()
     steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
+    for large, meshes, _ in steps:
+        check_size(large, meshes)
     for number in count():
         problem, meshes, tolerance = steps[number]
-        report = partial(progress, number) if progress else None
-        solution, solved = _solve_mesh(problem, meshes, tolerance, settings, guess, solved, progress=report, stop=stop)
+        run = _solve_large if _starts_coarse(meshes, settings, guess) else _solve_mesh
+        watch = _Watch(progress, stop, len(history))
+        solution, solved = run(problem, meshes, tolerance, settings, guess, solved, watch)
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
@@ -185,6 +195,41 @@ def solve(
     return replace(solution, meshes=tuple(history), accept=settings.accept, unmet=unmet)
 
 
+@dataclass(frozen=True)
+class _Watch:
+    """Who looks on: `progress` and `stop` of `solve`, and the number of the solve that progress is told."""
+
+    progress: Callable[[int, dict], None] | None
+    stop: Callable[[], bool] | None
+    number: int
+
+    def next(self, more: int) -> _Watch:
+        return replace(self, number=self.number + more)
+
+    def callbacks(self) -> dict[str, Callable | None]:
+        return {"progress": self.progress and partial(self.progress, self.number), "stop": self.stop}
+
+
+def _starts_coarse(meshes: Sequence[Mesh], settings: Settings, guess) -> bool:
+    """Whether a mesh, with no guess but the problem's own, is large and can be made coarse."""
+    points = sum(len(mesh.fractions) for mesh in meshes)
+    return settings.coarse_start and guess is None and points > LARGE and all(m.coarsened(COARSE) for m in meshes)
+
+
+def _solve_large(problem: Problem, meshes: Sequence[Mesh], tolerance, settings, guess, solved, watch: _Watch):
+    """As `_solve_mesh`, from the solution on a coarse mesh; or from the guess after all if that leads to none."""
+    coarse = [mesh.coarsened(COARSE) for mesh in meshes]
+    first, start = _solve_mesh(problem, coarse, tolerance, settings, guess, solved, watch)
+    history = first.meshes
+    if first.status.usable:
+        first, start = _solve_mesh(problem, meshes, tolerance, settings, first.trajectories, start, watch.next(1))
+        history += first.meshes
+    if not first.status.usable and first.status is not Status.INTERRUPTED:
+        first, start = _solve_mesh(problem, meshes, tolerance, settings, guess, solved, watch.next(len(history)))
+        history += first.meshes
+    return replace(first, meshes=history), start
+
+
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
 def _solve_mesh(
     problem: Problem,
@@ -193,7 +238,7 @@ def _solve_mesh(
     settings: Settings,
     guess,
     solved: Solved | None,
-    **callbacks,
+    watch: _Watch,
 ) -> tuple[Solution, Solved]:
     began = time.perf_counter()
     with _no_garbage_collection():
@@ -205,7 +250,7 @@ def _solve_mesh(
     start = warm_start(solved, transcription, nlp) if solved and solved.has_costates(transcription) else None
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
-    outcome = settings.run()(nlp, z, lower, upper, options, start=start, scaling=scaling, **callbacks)
+    outcome = settings.run()(nlp, z, lower, upper, options, start=start, scaling=scaling, **watch.callbacks())
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
     if all(isinstance(scheme, Scheme | Shooting) for phase in phases for scheme in phase.mesh.schemes):

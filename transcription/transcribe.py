@@ -65,7 +65,7 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
     templates=False gives an ordinary, expanded Pyomo model, for Pyomo's writers.
     Raises SpecError if the nonlinear program would be too large to hold.
     """
-    _check_size(problem, meshes)
+    check_size(problem, meshes)
     guess = guess or [phase.guess for phase in problem.phases]
     if isinstance(meshes[0].schemes[0], Shooting):
         return _transcribe_shooting(problem, meshes, guess, templates)
@@ -112,7 +112,8 @@ def _builder(mesh: Mesh) -> type:
     return DifferenceBuilder if isinstance(mesh.schemes[0], FiniteDifference) else CollocationBuilder
 
 
-def _check_size(problem: Problem, meshes: Sequence[Mesh]) -> None:
+def check_size(problem: Problem, meshes: Sequence[Mesh]) -> None:
+    """Raises SpecError if the nonlinear program would be too large to hold."""
     unknowns = sum(
         len(mesh.fractions) * (len(phase.states) + len(phase.inputs))
         for phase, mesh in zip(problem.phases, meshes, strict=True)

@@ -1,0 +1,19 @@
+"""Broken problem files: each a small edit of a good one, with the place and the words its message must have.
+
+`CASES` is data: the tests of the library and of the command line run the same list. `write` puts a case on the disk.
+"""
+
+from trajopt.transcription import schemes
+
+from .case import Case, write
+from .dynamics import DYNAMICS, MODELS
+from .formulas import EXPRESSIONS, NAMES, OVERRIDES
+from .good import GOOD, IMPLICIT
+from .methods import CONSISTENT, SOLVERS
+from .text import FILES
+from .values import KEYS, NUMBERS
+
+__all__ = ["CASES", "GOOD", "IMPLICIT", "METHODS", "Case", "write"]
+
+METHODS = tuple(schemes.METHODS)
+CASES = [*DYNAMICS, *MODELS, *CONSISTENT, *SOLVERS, *FILES, *KEYS, *NUMBERS, *NAMES, *EXPRESSIONS, *OVERRIDES]

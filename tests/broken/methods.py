@@ -1,0 +1,68 @@
+"""Mistakes of what a method of solution is asked for: nonsmooth functions, options of the solver."""
+
+from .case import edit, edits, rate_of_v
+from .good import NONSMOOTH
+
+nonsmooth = edits(NONSMOOTH)
+
+CONSISTENT = [
+    nonsmooth(
+        "a way that is none",
+        "nonsmooth: slack",
+        "nonsmooth: smooth",
+        "nonsmooth",
+        "write slack, {tanh: 0.01}",
+    ),
+    nonsmooth("tanh without a width", "nonsmooth: slack", "nonsmooth: tanh", "nonsmooth", "{tanh: 0.01}"),
+    nonsmooth("no way", "nonsmooth: slack", "nonsmooth: {}", "nonsmooth", "nothing is given here"),
+    nonsmooth("two ways", "nonsmooth: slack", "nonsmooth: {tanh: 1, sqrt: 1}", "nonsmooth", "keep one of them"),
+    nonsmooth("a misspelt way", "nonsmooth: slack", "nonsmooth: {tahn: 1}", "nonsmooth.tahn", "did you mean tanh?"),
+    nonsmooth(
+        "a width of zero",
+        "nonsmooth: slack",
+        "nonsmooth: {tanh: 0}",
+        "nonsmooth.tanh",
+        "write a positive number",
+    ),
+    nonsmooth("a negative smoothing", "nonsmooth: slack", "nonsmooth: {sqrt: -d}", "nonsmooth.sqrt", "is -1"),
+    nonsmooth("a width that varies", "nonsmooth: slack", "nonsmooth: {sqrt: u}", "nonsmooth.sqrt", "must be known"),
+    nonsmooth(
+        "too many widths",
+        "nonsmooth: slack",
+        "nonsmooth: {tanh: [1, 0.1]}",
+        "nonsmooth.tanh",
+        "there are 2 values for 1 entry",
+    ),
+    nonsmooth("no widths", "nonsmooth: slack", "nonsmooth: {tanh: []}", "nonsmooth.tanh", "at least 1"),
+    nonsmooth("a list of ways", "nonsmooth: slack", "nonsmooth: [slack]", "nonsmooth", "must be a mapping"),
+    nonsmooth("no nonsmooth", "nonsmooth: slack\n", "", "objective.minimize.integral", "section 5.5", line=18),
+    rate_of_v("abs of two", "abs(u, v)", "abs takes one argument"),
+    rate_of_v("min of one", "min(u)", "2 to 20 arguments"),
+    rate_of_v("min of many", "min(" + "u, " * 50 + "v)", "2 to 20 arguments"),
+    rate_of_v("a trailing comma", "max(u, )", "a value is missing"),
+    rate_of_v("abs and no parentheses", "abs u", "write abs(u)"),
+    rate_of_v("abs in an expression of constants", "u*abs(v)*abs(m)", "nonsmooth: slack"),
+    edit(
+        "abs at an end",
+        '"x[final] - x[initial]"',
+        '"abs(x[final])"',
+        "constraints.boundary.0.expression",
+        "section 5.5",
+    ),
+    edit("abs in a named expression", "power: u*v", "power: abs(u*v)", "expressions.power", "section 5.5"),
+]
+
+SOLVERS = [
+    edit("another engine", "solver: {", "solver: {engine: snopt, ", "solver.engine", "'ipopt' or 'newton'"),
+    edit("a library", "max_iter: 100", "hsllib: ./evil.so", "solver.hsllib", "--set solver.hsllib=..."),
+    edit("a library in capitals", "max_iter: 100", "HSLlib: ./evil.so", "solver.HSLlib", "data, never code"),
+    edit(
+        "a library behind a prefix",
+        "max_iter: 100",
+        "resto.pardisolib: a.so",
+        "solver.resto.pardisolib",
+        "load a library",
+    ),
+    edit("an option file", "max_iter: 100", "option_file_name: a.opt", "solver.option_file_name", "another file"),
+    edit("an output file", "max_iter: 100", "output_file: a.txt", "solver.output_file", "write a file"),
+]

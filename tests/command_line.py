@@ -1,0 +1,31 @@
+"""The command line inside this process and as a process, for the tests that go through it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from trajopt.cli.main import app
+
+TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]  # the console script, in any environment
+
+
+def trajopt(*arguments):
+    """A run inside this process: no start-up to pay. Anything but an exit with a code is a bug."""
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
+    return result
+
+
+def process(*arguments, **options):
+    """A run as a user's shell starts it."""
+    return subprocess.run([*TRAJOPT, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+
+
+def solved_once(path: Path, *arguments, code: int = 0) -> Path:
+    """The result file at `path`, made by `trajopt solve *arguments` when it is first asked for."""
+    if not path.exists():
+        run = trajopt("solve", *arguments, "-q", "-o", path)
+        assert run.exit_code == code and path.exists(), run.output
+    return path

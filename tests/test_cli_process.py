@@ -1,0 +1,143 @@
+"""The command line as a user's shell starts it: exit codes, the two streams, terminals, pipes."""
+
+import json
+import os
+import pty
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import broken
+import h5py
+import pytest
+from command_line import TRAJOPT, process
+
+from trajopt.problems.catalog import shipped
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+
+def test_several_problems_in_one_process(folder):
+    run = process("solve", "cartpole", "block_move_min_force", "--json")
+    assert (run.returncode, run.stderr) == (0, "")
+    summaries = [json.loads(line) for line in run.stdout.splitlines()]
+    assert [summary["file"] for summary in summaries] == ["cartpole.h5", "block_move_min_force.h5"]
+    assert summaries[0]["objective"] == pytest.approx(58.805425468, rel=1e-9)
+    assert all(summary["solved"] and summary["reference"]["agrees"] for summary in summaries)
+    assert sorted(path.name for path in folder.iterdir()) == ["block_move_min_force.h5", "cartpole.h5"]
+    show = process("show", "cartpole.h5", "block_move_min_force.h5", "--json")
+    assert (show.returncode, show.stdout, show.stderr) == (0, run.stdout, "")
+
+
+def test_not_solved_is_told_and_written(folder):
+    run = process("solve", "cartpole", "shot_put", "--set", "solver.max_iter=2", "--json")
+    assert run.returncode == 1
+    assert [json.loads(line)["status"] for line in run.stdout.splitlines()] == ["max_iterations"] * 2
+    assert re.fullmatch(r"(not solved: .*: ran out of iterations; .*max_iter.*\n){2}", run.stderr)
+    with h5py.File("cartpole.h5") as file:
+        assert file.attrs["status"] == "max_iterations"
+        assert file.attrs["remedy"] in run.stderr
+
+
+def test_mistakes_and_files_have_their_exit_codes():
+    mistake = process("solve", "cartpole", "--set", "solver.max_itr=3", "--set", "parameters.m1=-x")
+    assert (mistake.returncode, mistake.stdout) == (2, "")  # IPOPT prints its own complaint on standard output
+    assert mistake.stderr.count("error: ") == mistake.stderr.count("\n")
+    file = process("solve", "no/such.yaml")
+    assert (file.returncode, file.stdout) == (3, "")
+    assert file.stderr == "error: no/such.yaml: there is no such file; look into no\n"
+
+
+def test_every_mistake_of_many_files_in_one_run(folder):
+    """The list of broken files as a user would check them: no traceback, a sentence each, not slow."""
+    cases = [case for case in broken.CASES if case.kind == "spec" and not case.overrides]
+    names = [f"{number}.yaml" for number in range(len(cases))]
+    for name, case in zip(names, cases, strict=True):
+        Path(name).write_bytes(case.content)
+    began = time.perf_counter()
+    run = process("check", *names)
+    assert time.perf_counter() - began < 20  # some 120 files
+    assert (run.returncode, run.stdout) == (2, "")
+    lines = run.stderr.splitlines()
+    assert all(line.startswith("error: ") for line in lines)
+    for name, case in zip(names, cases, strict=True):
+        assert any(line.startswith(f"error: {name}{case.place}") and case.says in line for line in lines), case.name
+
+
+def test_output_that_cannot_be_written():
+    with open("/dev/full", "w") as full:
+        run = subprocess.run([*TRAJOPT, "list"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert run.returncode == 3
+    assert run.stderr == "error: standard output: it cannot be written (No space left on device); send it elsewhere\n"
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    run = subprocess.run(f"{' '.join(map(repr, TRAJOPT))} schema | true", shell=True, capture_output=True, check=False)
+    assert run.stderr == b""
+
+
+def test_what_ipopt_prints_goes_to_standard_error():
+    run = process("solve", "cartpole", "--set", "solver.print_level=5", "--json")
+    assert json.loads(run.stdout)["solved"]
+    assert "Number of Iterations" in run.stderr
+
+
+def test_a_name_that_is_no_text(folder):
+    path = os.fsencode(folder) + b"/\xff.yaml"
+    Path(os.fsdecode(path)).write_text(broken.GOOD)
+    run = subprocess.run([*TRAJOPT, "solve", path], capture_output=True, check=False)
+    assert (run.returncode, run.stderr) == (0, b"")
+    assert process("show", os.fsdecode(b"\xff.h5")).returncode == 0
+
+
+def on_a_terminal(*arguments: str, columns: int = 80) -> str:
+    """What a terminal of that width receives; standard output and error together."""
+    primary, secondary = pty.openpty()
+    environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
+    started = subprocess.Popen([*TRAJOPT, *arguments], stdout=secondary, stderr=secondary, env=environment)
+    os.close(secondary)
+    received = b""
+    try:
+        while block := os.read(primary, 4096):
+            received += block
+    except OSError:  # Linux's way to say that the other side has closed
+        pass
+    os.close(primary)
+    assert started.wait() == 0
+    return received.decode()
+
+
+def test_the_live_line_appears_and_vanishes():
+    shown = on_a_terminal("solve", "cartpole", "--segments", "800")
+    lines = shown.split("\r\x1b[K")[0].split("\r")
+    assert "cart-pole swing-up: building" in lines[1]
+    *live, rest = re.split(r"\r(?=[^\n])", shown)
+    assert any(re.search(r"mesh \d, iteration \d+, J = .*, infeasibility \d", line) for line in live)
+    assert all(len(line.removesuffix("\x1b[K")) < 80 for line in live)
+    assert rest.startswith("\x1b[K")  # written over with nothing before the table
+    table = rest.removeprefix("\x1b[K").replace("\r", "")
+    assert re.match(r"(\x1b\[\d+m)+cart-pole swing-up: solved\x1b\[0m\n", table)
+    assert max(map(len, table.splitlines()[1:])) <= 80
+    assert "\n            0.0" in table or "seconds" in table
+
+
+def test_tables_on_a_terminal_keep_to_its_width():
+    lines = on_a_terminal("list", columns=70).replace("\r", "").splitlines()
+    assert len(lines) == 1 + len(shipped())
+    assert all(len(re.sub(r"\x1b\[\d+m", "", line)) <= 70 for line in lines)
+    assert any(line.endswith("...") for line in lines)
+
+
+def test_help_is_quick():
+    began = time.perf_counter()
+    assert process("--help").returncode == 0
+    assert time.perf_counter() - began < 2
+
+
+def test_verbose_tells_of_iterations_and_of_nothing_else():
+    run = process("solve", "cartpole", "--segments", "300", "-v")
+    assert run.returncode == 0
+    row = r"mesh \d+| iter  objective .*| +\d+ ( +[\d.e+-]+){4}"
+    assert all(re.fullmatch(row, line) for line in run.stderr.splitlines()), run.stderr[:500]
+    assert run.stderr.count("mesh") == 2  # a large mesh starts from a coarse one

@@ -1,0 +1,187 @@
+"""`trajopt solve`: its table, its options, which files it writes and which it leaves alone."""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import broken
+import h5py
+import pytest
+from command_line import trajopt
+
+from trajopt.problems.catalog import shipped
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+
+def attributes(path: str) -> dict:
+    with h5py.File(path) as file:
+        return {**file.attrs, **{f"mesh_{k}": v for k, v in file["mesh/0"].attrs.items()}}
+
+
+def test_the_table(folder):
+    result = trajopt("solve", "cartpole")
+    assert (result.exit_code, result.stderr) == (0, "")
+    title, *lines = result.stdout.splitlines()
+    assert title == "cart-pole swing-up: solved"
+    fields = dict(line.split(maxsplit=1) for line in lines)
+    assert list(fields) == ["objective", "error", "mesh", "iterations", "seconds", "file"]
+    assert fields["objective"] == "58.80542547  (minimize); agrees with the reference 58.805425"
+    assert fields["error"].startswith("relative 1.38e-03; max eta 1.27e-02, in v2 on segment 11, t = 0.8 to 0.88")
+    parts = re.fullmatch(r"[\d.]+  \((.*)\)", fields["seconds"])[1]
+    names = [part.rsplit(" ", 1)[0] for part in parts.split(", ")]
+    assert names == ["build", "differentiate", "compile", "assemble", "evaluate", "linear algebra", "error"]
+    assert fields["file"] == "cartpole.h5"
+    shown = trajopt("show", "cartpole.h5").stdout
+    assert shown.startswith(result.stdout)
+    assert "phase main: t = 0 to 2 s" in shown
+
+
+def test_overrides():
+    for arguments, key, value in (
+        (["--segments", "12"], "mesh_segments", 12),
+        (["--method", "trapezoid"], "mesh_method", "trapezoid"),
+        (["--tol", "1e-5"], "mesh_tolerance", 1e-5),
+        (["--set", "mesh.0.segments=7"], "mesh_segments", 7),
+        (["--set", "name=other"], "problem", "other"),
+    ):
+        assert trajopt("solve", "shot_put", *arguments, "-q", "--force").exit_code == 0
+        assert attributes("shot_put.h5")[key] == value
+    trajopt("solve", "block_move_min_force", "--set", "time.final=2", "-q")
+    assert attributes("block_move_min_force.h5")["objective"] == pytest.approx(12 / 2**3)
+
+
+def test_short_forms_go_to_the_last_or_to_every_mesh():
+    trajopt("solve", "van_der_pol", "--segments", "70", "--method", "trapezoid", "--tol", "1e-6", "-q")
+    with h5py.File("van_der_pol.h5") as file:
+        meshes = [dict(file[f"mesh/{k}"].attrs) for k in range(len(file["mesh"]))]
+    assert len(meshes) > 1
+    assert {mesh["method"] for mesh in meshes} == {"trapezoid"}
+    assert (meshes[-1]["segments"], meshes[-1]["tolerance"]) == (70, 1e-6)
+    assert meshes[0]["segments"] != 70
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--method", "trap"], 'error: --method: there is no method "trap"; did you mean trapezoid?\n'),
+        (["--segments", "1000000"], "error: --segments: "),
+        (["--tol", "nan"], "error: --tol: "),
+        (["--set", "parameters.dd=1"], "error: --set parameters.dd: parameters has no dd"),
+        (["--set", "solver.max_itr=1"], "error: --set solver.max_itr: IPOPT does not take max_itr = 1; did you mean"),
+    ],
+)
+def test_wrong_options_are_named_as_they_were_given(folder, arguments, sentence):
+    result = trajopt("solve", "cartpole", "block_move_min_force", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1 or "parameters" in sentence
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("arguments", [["--segments", "0"], ["--segments", "x"], ["--tol", "x"], ["--nonsense"], []])
+def test_a_wrong_command_line(arguments):
+    result = trajopt("solve", *(["cartpole"] if arguments else []), *arguments)
+    assert result.exit_code == 2
+    assert "Error: " in result.stderr and "trajopt solve -h" in result.stderr.replace("root", "trajopt")
+
+
+def test_quiet_and_verbose():
+    assert trajopt("solve", "cartpole", "-q").output == ""
+    quiet = trajopt("solve", "cartpole", "-q", "--set", "solver.max_iter=1")
+    assert (quiet.exit_code, quiet.stdout) == (1, "") and quiet.stderr.startswith("not solved: ")
+    verbose = trajopt("solve", "van_der_pol", "-v")
+    assert verbose.exit_code == 0 and verbose.stdout.startswith("Van der Pol oscillator: solved")
+    assert re.match(r"mesh 1\n iter  objective +infeasibility  dual +mu\n    0  ", verbose.stderr)
+    assert "\nmesh 2\n" in verbose.stderr
+    rows = [line for line in verbose.stderr.splitlines() if re.match(r" +\d", line)]
+    assert len({len(row) for row in rows}) == 1
+
+
+def test_names_work_from_any_folder_and_a_file_here_comes_first(folder):
+    assert trajopt("solve", "shot_put.yaml", "-q").exit_code == 0
+    Path("cartpole").write_text(broken.GOOD)
+    assert trajopt("check", "cartpole").stdout == "cartpole: no mistakes; 2 states, 1 control, 1 mesh\n"
+    missing = trajopt("solve", "cartpol")
+    assert missing.exit_code == 3 and "did you mean cartpole?" in missing.stderr
+
+
+def test_output_file_and_folder(folder):
+    Path("out").mkdir()
+    assert trajopt("solve", "shot_put", "-o", "a name.h5", "-q").exit_code == 0
+    assert trajopt("solve", "shot_put", "-o", "out", "-q").exit_code == 0
+    assert trajopt("solve", "shot_put", "block_move_min_force", "-o", folder / "out", "-q").exit_code == 0
+    names = sorted(str(path.relative_to(folder)) for path in folder.rglob("*.h5"))
+    assert names == ["a name.h5", "out/block_move_min_force.h5", "out/shot_put.h5"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["shot_put", "-o", "no/a.h5"], 3, "its folder does not exist; create no"),
+        (["shot_put", "-o", "no/"], 2, "this is no folder"),
+        (["shot_put", "block_move_min_force", "-o", "a.h5"], 2, "there are 2 problems; create the folder first"),
+        (["shot_put", "./shot_put.yaml"], 2, "two of the problems would go to this file"),
+        (["shot_put", "-o", "/dev/full", "--force"], 3, "it is no ordinary file"),
+        (["shot_put", "-o", "/proc/a.h5"], 3, "its folder cannot be written"),
+        (["shot_put", "--guess", "no.h5"], 3, "no.h5: there is no such file"),
+        (["shot_put", "--guess", "shot_put.yaml"], 3, "it cannot be read as HDF5"),
+    ],
+)
+def test_outputs_that_are_refused_before_any_work(folder, arguments, code, words):
+    Path("shot_put.yaml").write_bytes(shipped()["shot_put"].read_bytes())
+    result = trajopt("solve", *arguments)
+    assert result.exit_code == code and words in result.stderr
+    assert [path.name for path in folder.iterdir()] == ["shot_put.yaml"]
+
+
+def test_an_existing_file_is_replaced_only_by_the_same_problem():
+    assert trajopt("solve", "shot_put", "-o", "a.h5", "-q").exit_code == 0
+    assert trajopt("solve", "shot_put", "-o", "a.h5", "-q", "--segments", "9").exit_code == 0
+    before = Path("a.h5").read_bytes()
+    refused = trajopt("solve", "block_move_min_force", "-o", "a.h5")
+    assert refused.exit_code == 3
+    assert "a result of another problem, 'shot put'" in refused.stderr and "--force" in refused.stderr
+    assert Path("a.h5").read_bytes() == before
+    Path("b.h5").write_text("precious")
+    refused = trajopt("solve", "shot_put", "-o", "b.h5")
+    assert refused.exit_code == 3 and "no trajopt result" in refused.stderr
+    assert Path("b.h5").read_text() == "precious"
+    assert trajopt("solve", "block_move_min_force", "-o", "a.h5", "-q", "--force").exit_code == 0
+    assert attributes("a.h5")["problem"] == "block move, minimum force"
+
+
+def test_one_refused_output_stops_all_before_the_first(folder):
+    Path("shot_put.h5").write_text("precious")
+    assert trajopt("solve", "block_move_min_force", "shot_put").exit_code == 3
+    assert [path.name for path in folder.iterdir()] == ["shot_put.h5"]
+
+
+def test_guess():
+    trajopt("solve", "cartpole", "-q")
+    cold = json.loads(trajopt("show", "cartpole.h5", "--json").stdout)["iterations"]
+    warm = json.loads(trajopt("solve", "cartpole", "--guess", "cartpole.h5", "--json").stdout)["iterations"]
+    assert warm < cold
+    other = trajopt("solve", "block_move_min_force", "--guess", "cartpole.h5")
+    assert other.exit_code == 3 and "none of the states" in other.stderr
+
+
+def test_the_result_remembers_its_command(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["/usr/bin/trajopt", "solve", "shot_put", "-o", "my file.h5"])
+    trajopt("solve", "shot_put", "-o", "my file.h5", "-q")
+    assert attributes("my file.h5")["command"] == "trajopt solve shot_put -o 'my file.h5'"
+
+
+def test_names_with_line_breaks_and_escapes_stay_on_one_line():
+    text = broken.GOOD.replace("name: a good file", 'name: "two\\nlines \\e[31mred"')
+    Path("odd.yaml").write_text(text)
+    first = trajopt("solve", "odd.yaml").stdout.splitlines()[0]
+    assert first == "two lines ?[31mred: solved"
+
+
+def test_a_solve_may_draw_its_result(folder):
+    result = trajopt("solve", "shot_put", "--plot", "-o", "a.h5")
+    assert result.exit_code == 0
+    assert "picture: a.png" in result.stderr
+    assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
