@@ -46,7 +46,7 @@ def export(
 
     from ..problems.build import build
     from ..transcription.export import export as write
-    from ..transcription.solve import steps
+    from ..transcription.settings import steps
 
     problem = build(spec)
     for path in write(problem, [steps(spec.mesh)[-1].mesh()] * len(problem.phases), output, force):

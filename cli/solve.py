@@ -136,7 +136,7 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
 def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
     """Solve and write the result."""
     from ..results.store import write
-    from ..transcription.solve import settings_of, steps
+    from ..transcription.settings import settings_of, steps
     from ..transcription.solve import solve as run
     from .progress import live_line, print_iteration
 

@@ -17,7 +17,8 @@ from ..problems.errors import FileError, Mistake, SpecError
 from ..problems.files import check_writable, replacing
 from ..problems.load import load
 from ..problems.syntax import nearest
-from ..transcription.solve import settings_of, solve, steps
+from ..transcription.settings import settings_of, steps
+from ..transcription.solve import solve
 from . import page
 from .curves import read
 from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines

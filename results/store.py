@@ -9,7 +9,8 @@
             state/<name>, costate/<name>, control/<name>, algebraic/<name>
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
-        error/                 eta (segment, state), with the numbers of the segments and the names of the states
+        error/                 eta (segment, state), with the numbers of the segments and the names of the states;
+                               relative (segment) and excess (segment) of bounds, what refinement looks at
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
@@ -163,6 +164,11 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "number of the segment, from 0")
     names = _scale(errors, "state", [state.name for state in phase.states], "state")
     _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
+    _array(
+        errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
+    )
+    excess = np.max([*error.excess.values(), np.zeros(trajectory.mesh.segments)], axis=0)
+    _array(errors, "excess", excess, [segment], "largest excess of bounds and path constraints over 1 + bound")
 
 
 def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
@@ -206,7 +212,6 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
             **_seconds(record.seconds),
         }
     )
-
     if isinstance(scheme := record.mesh.schemes[0], Shooting):
         group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
     if any(scheme.degree is not None for scheme in record.mesh.schemes):

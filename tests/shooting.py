@@ -9,7 +9,8 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Problem
 from trajopt.transcription.runge_kutta import TABLES
-from trajopt.transcription.solve import Step, solve
+from trajopt.transcription.settings import Step
+from trajopt.transcription.solve import solve
 
 SCHEMES = [(table.name, control) for table in TABLES for control in table.controls]
 SCHEME = pytest.mark.parametrize(("method", "control"), SCHEMES)

@@ -12,7 +12,8 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.models import MODELS, find
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
 from trajopt.transcription.implicit import consistent_inputs
-from trajopt.transcription.solve import Step, solve
+from trajopt.transcription.settings import Step
+from trajopt.transcription.solve import solve
 
 HS = "hermite-simpson"
 LINKS = range(1, 6)

@@ -1,4 +1,4 @@
-"""The command line as its users meet it: help and listings, broken files, show, check, init, export."""
+"""The command line as its users meet it: help and listings, broken files, show, check, init."""
 
 import json
 import re
@@ -55,7 +55,7 @@ def test_schema_is_json_schema():
     assert {"states", "controls", "mesh"} <= schema["properties"].keys()
 
 
-# -- show, check, init, export --------------------------------------------------------------------------------------
+# -- show, check, init ----------------------------------------------------------------------------------------------
 
 
 def test_show_refuses_what_is_no_result():
@@ -110,44 +110,6 @@ def test_init_check_solve():
     assert trajopt("check", "other.yaml").exit_code == 0
     assert trajopt("init", "third", "--from", "cartpol").exit_code == 3
     assert trajopt("init", "no/such/folder").exit_code == 3
-
-
-@pytest.mark.parametrize(
-    ("name", "method", "variables", "constraints"),
-    [
-        ("cartpole", "hermite-simpson", 5 * 21, 8 * 10),  # states and control at 21 points, two defects a state
-        ("cartpole", "trapezoid", 5 * 11, 4 * 10),
-        ("cartpole", "hermite-simpson-compressed", 5 * 21 - 4 * 10, 4 * 10 + 2 * 10),  # bounds of q1, q2 at midpoints
-        ("shot_put", "trapezoid", 4 * 11 + 2, 4 * 10 + 2),  # the final time and the angle; two boundary constraints
-        ("bryson_denham", "trapezoid", 3 * 11, 2 * 10 + 11),  # a path constraint
-    ],
-)
-def test_export_nl(name, method, variables, constraints):
-    result = trajopt("export", name, "a.nl", "--segments", "10", "--method", method)
-    assert result.stdout.split() == ["a.nl", "a.row", "a.col"]
-    counts = [int(n) for n in Path("a.nl").read_text().splitlines()[1].split("#")[0].split()]
-    assert counts[:3] == [variables, constraints, 1]
-    assert len(Path("a.col").read_text().split()) == variables
-    assert len(Path("a.row").read_text().split()) == constraints + 1
-
-
-@pytest.mark.parametrize("name", shipped())
-def test_every_problem_is_exported(name):
-    for suffix in ("nl", "gms", "tex"):
-        assert trajopt("export", name, f"a.{suffix}", "--segments", "3").exit_code == 0
-        assert Path(f"a.{suffix}").stat().st_size > 1000
-
-
-def test_export_for_other_readers():
-    assert trajopt("export", "shot_put", "a.gms").exit_code == 0
-    assert "solve" in Path("a.gms").read_text().lower()
-    assert trajopt("export", "shot_put", "a.tex", "--segments", "2").exit_code == 0
-    assert "\\begin{document}" in Path("a.tex").read_text()
-    refused = trajopt("export", "shot_put", "a.tex")
-    assert refused.exit_code == 3 and "--force" in refused.stderr
-    assert trajopt("export", "shot_put", "a.tex", "--segments", "2", "--force").exit_code == 0
-    other = trajopt("export", "shot_put", "a.mod")
-    assert other.exit_code == 2 and ".nl, .gms, .tex" in other.stderr
 
 
 def test_options_of_the_engine_are_told_with_the_other_mistakes(folder):

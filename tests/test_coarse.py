@@ -1,4 +1,4 @@
-"""A large first mesh starts from the solution on a coarse one: the same answer sooner, and never a failure of its own."""
+"""A large first mesh starts from the solution on a coarse one: the same answer sooner, and no failure of its own."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,8 @@ from trajopt.problems.load import load
 from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.outcome import Status
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import COARSE, LARGE, Settings, Step, settings_of, solve
+from trajopt.transcription.settings import Settings, Step, settings_of
+from trajopt.transcription.solve import COARSE, LARGE, solve
 
 BIG = Step("trapezoid", 500, 1e-8)
 

@@ -18,7 +18,8 @@ from exact import (
 from trajopt.transcription.outcome import Status
 from trajopt.transcription.schemes import METHODS as TABLE
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import Settings, Step, solve
+from trajopt.transcription.settings import Settings, Step
+from trajopt.transcription.solve import solve
 
 FIXED = [name for name, method in TABLE.items() if method.scheme is not None and name != "finite-difference"]
 LADDERS = {  # (method, degree) -> numbers of segments: errors from visible down to well above rounding

@@ -8,7 +8,8 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.problems.models import find
 from trajopt.problems.problem import Range
-from trajopt.transcription.solve import Settings, solve, steps
+from trajopt.transcription.settings import Settings, steps
+from trajopt.transcription.solve import solve
 
 CARTPOLE = shipped()["cartpole"].read_text()
 BEFORE, REST = CARTPOLE.split("states:\n")

@@ -10,7 +10,8 @@ from command_line import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
 from trajopt.transcription.schemes import METHODS
-from trajopt.transcription.solve import Settings, solve, steps
+from trajopt.transcription.settings import Settings, steps
+from trajopt.transcription.solve import solve
 
 BLOCK = "x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}"
 LINE = "x: {rate: u, initial: 0, final: 1}"

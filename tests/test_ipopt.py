@@ -13,7 +13,8 @@ from trajopt.transcription import ipopt
 from trajopt.transcription.compiler import CompiledNLP
 from trajopt.transcription.ipopt import COLUMNS, Start, check_options
 from trajopt.transcription.outcome import Status
-from trajopt.transcription.solve import Settings, Step, bounded_start, solve
+from trajopt.transcription.settings import Settings, Step
+from trajopt.transcription.solve import bounded_start, solve
 from trajopt.transcription.transcribe import transcribe
 
 STEP = Step("hermite-simpson", 10, 1e-8)

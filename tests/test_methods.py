@@ -10,7 +10,8 @@ import pytest
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.solve import Settings, Step, settings_of, solve
+from trajopt.transcription.settings import Settings, Step, settings_of
+from trajopt.transcription.solve import solve
 
 TRUE = {  # converged (Radau of degree 5 on 160 segments) or exact
     "cartpole": 58.80766746,

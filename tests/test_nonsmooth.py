@@ -12,7 +12,8 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.expressions import parse
 from trajopt.problems.load import load, load_text
 from trajopt.problems.problem import Range
-from trajopt.transcription.solve import Settings, solve, steps
+from trajopt.transcription.settings import Settings, steps
+from trajopt.transcription.solve import solve
 
 FILE = """\
 trajopt: 1

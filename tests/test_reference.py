@@ -8,7 +8,8 @@ import pytest
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.solve import settings_of, solve, steps
+from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.solve import solve
 
 HS = "hermite-simpson"
 

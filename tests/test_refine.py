@@ -8,9 +8,10 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.refine import MERGE_MARGIN, refine, relative_error
+from trajopt.transcription.refine import EXCESS, MERGE_MARGIN, refine
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import Refine, Settings, Step, settings_of, solve, steps
+from trajopt.transcription.settings import Refine, Settings, Step, settings_of, steps
+from trajopt.transcription.solve import solve
 
 
 def run(name: str, *overrides: str):
@@ -105,7 +106,7 @@ def test_no_mesh_is_solved_twice_and_a_good_one_stays():
 def test_segments_are_split_in_proportion_to_their_error():
     solution = solve(growth(), [Step("trapezoid", [4, 1, 1], 1e-11)])
     (trajectory,), (error,) = solution.trajectories, solution.errors
-    errors = relative_error(trajectory, error)
+    errors = error.relative
     refinement = refine(trajectory, error, tolerance=float(errors[1:].max()) * 1.01)
     assert refinement.mesh.segments > 3
     assert refinement.mesh.widths[-2:] == pytest.approx(trajectory.mesh.widths[1:])  # the good ones are left alone
@@ -115,7 +116,7 @@ def test_segments_are_split_in_proportion_to_their_error():
 def test_neighbours_are_merged_only_far_below_the_tolerance():
     solution = solve(growth(), [Step("hermite-simpson", [20, *[1] * 10], 1e-11)])
     (trajectory,), (error,) = solution.trajectories, solution.errors
-    errors = relative_error(trajectory, error)
+    errors = error.relative
     tolerance = float(errors[0]) / 2
     assert errors[1:].max() < MERGE_MARGIN * tolerance
     merged = refine(trajectory, error, tolerance)
@@ -163,10 +164,38 @@ refine: {tolerance: 1.0e-7}
 def test_needless_points_are_taken_away():
     solution = solve(growth(), [Step("radau", [1, 1, 40], 1e-11, [16, 16, 3])])
     (trajectory,), (error,) = solution.trajectories, solution.errors
-    errors = relative_error(trajectory, error)
+    errors = error.relative
     tolerance = float(errors[2]) / 2
     assert errors[:2].max() < MERGE_MARGIN * tolerance
     reduced = refine(trajectory, error, tolerance).mesh
     assert max(scheme.degree for scheme in reduced.schemes[:2]) < 16
     kept = refine(trajectory, error, tolerance, merge=False).mesh
     assert [scheme.degree for scheme in kept.schemes[:2]] == [16, 16]
+
+
+def test_what_passes_through_an_obstacle_between_the_points_is_refined(tmp_path):
+    """Straight lines around a disc: the dynamics are met exactly on any mesh, the disc is not."""
+    (tmp_path / "disc.yaml").write_text("""
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: -1, final: 1}, y: {rate: v, initial: 0, final: 0}}
+controls: {u: {}, v: {}}
+objective: {minimize: {integral: u**2 + v**2}}
+constraints: {path: [{name: disc, expression: sqrt(x**2 + y**2), lower: 0.5}]}
+guess: {keyframes: {y: [0, 1, 0]}}
+mesh: [{method: implicit-euler, segments: 6}]
+refine: {tolerance: 0.1}
+""")
+    spec = load(tmp_path / "disc.yaml")
+    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
+    assert solution.solved and not solution.unmet
+    (error,), (trajectory,) = solution.errors, solution.trajectories
+    excess = error.excess["path constraint 'disc'"]
+    assert (excess * trajectory.mesh.widths <= EXCESS).all()
+    coarse = solve(build_all(spec), steps(spec.mesh), Settings())
+    ((profile,), (first,)) = coarse.errors, coarse.trajectories
+    assert (profile.excess["path constraint 'disc'"] * first.mesh.widths).max() > 10 * EXCESS
+    assert refine(first, profile, 0.1).unmet[0].count("path constraint 'disc' exceeded by")
+    dense = trajectory.dense
+    inside = 0.5 - np.hypot(*dense.x)
+    assert inside.max() / 1.5 == pytest.approx(excess.max(), rel=1e-12)

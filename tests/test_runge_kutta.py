@@ -7,7 +7,8 @@ from shooting import SCHEME
 
 from trajopt.transcription.runge_kutta import CLASSICAL, CONTROLS, TABLES, Shooting, Table, order_conditions
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import Settings, Step, solve
+from trajopt.transcription.settings import Settings, Step
+from trajopt.transcription.solve import solve
 
 TABLE = pytest.mark.parametrize("table", TABLES, ids=lambda table: table.name)
 

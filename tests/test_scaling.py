@@ -12,7 +12,8 @@ from trajopt.problems.load import load, load_text
 from trajopt.results.store import write
 from trajopt.transcription.compiler import CompiledNLP
 from trajopt.transcription.scaling import scale
-from trajopt.transcription.solve import bounded_start, settings_of, solve, steps
+from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.solve import bounded_start, solve
 from trajopt.transcription.transcribe import transcribe
 
 BAD_UNITS = """

@@ -14,7 +14,8 @@ from trajopt.transcription.export import export
 from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.runge_kutta import CONTROLS
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import Refine, Settings, Step, solve, steps
+from trajopt.transcription.settings import Refine, Settings, Step, steps
+from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import transcribe
 
 # -- problems ---------------------------------------------------------------------------------------

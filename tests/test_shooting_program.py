@@ -10,7 +10,8 @@ from trajopt.problems.problem import Constraint, Problem, Range
 from trajopt.transcription.family import NotFinite
 from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.schemes import find
-from trajopt.transcription.solve import Step, bounded_start
+from trajopt.transcription.settings import Step
+from trajopt.transcription.solve import bounded_start
 from trajopt.transcription.transcribe import compiled, transcribe
 
 

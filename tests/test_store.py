@@ -24,7 +24,8 @@ from trajopt.results.restart import guess_from
 from trajopt.results.store import check_target, open_result, write
 from trajopt.results.summary import summarize
 from trajopt.transcription.ipopt import COLUMNS
-from trajopt.transcription.solve import Settings, Step, solve, steps
+from trajopt.transcription.settings import Settings, Step, steps
+from trajopt.transcription.solve import solve
 
 PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error"]
 
@@ -58,6 +59,7 @@ LAYOUT = [
     *curves("phase/main/points", "state", "control", "algebraic", "costate"), "phase/main/points/time",
     *curves("phase/main/dense", "state", "control", "algebraic", "costate", "epsilon"), "phase/main/dense/time",
     "phase/main/error", "phase/main/error/eta", "phase/main/error/segment", "phase/main/error/state",
+    "phase/main/error/relative", "phase/main/error/excess",
     "phase/main/parameter", "phase/main/parameter/angle",
     "mesh", "mesh/0", "mesh/0/edges",
     "solver", "solver/z", "solver/z_lower", "solver/z_upper", "solver/y", "solver/unknown", "solver/constraint",

@@ -11,7 +11,8 @@ from trajopt.problems.load import load
 from trajopt.results.reload import reload
 from trajopt.results.store import write
 from trajopt.results.verify import simulate, verify
-from trajopt.transcription.solve import Step, settings_of, solve, steps
+from trajopt.transcription.settings import Step, settings_of, steps
+from trajopt.transcription.solve import solve
 
 
 def stored(folder, name, *overrides):

@@ -7,7 +7,8 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.compiler import CompiledNLP
-from trajopt.transcription.solve import Settings, Step, solve
+from trajopt.transcription.settings import Settings, Step
+from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import transcribe
 from trajopt.transcription.warm import Solved, warm_start
 

@@ -119,10 +119,8 @@ class PhaseBuilder:
         names, points = self.stored()
         block.x = Var(names, self.points("stored", points))
         collocated = self.points("collocated", mesh.collocated)
-        if phase.controls:  # Pyomo's LaTeX printer fails on a component without members
-            block.u = Var([control.name for control in phase.controls], collocated)
-        if phase.algebraic:
-            block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
+        block.u = Var([control.name for control in phase.controls], collocated)
+        block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
         for state in phase.states:
             if state.name in names:
                 data = self._fill(block.x, state.name, points.tolist(), state.bounds, guess)

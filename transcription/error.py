@@ -11,11 +11,13 @@ at a time, and importing it costs more than solving a typical problem.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from ..problems.problem import Range
 from .implicit import consistent_inputs
 from .scheme import Scheme
 from .trajectory import Sample, Trajectory
@@ -29,12 +31,18 @@ EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 @dataclass(frozen=True)
 class ErrorProfile:
-    """time: (M,), epsilon: (n_x, M) on a dense grid; eta: (n_x, N) in units of the state, edges: (N + 1,) in time."""
+    """time: (M,), epsilon: (n_x, M) on a dense grid; eta: (n_x, N) in units of the state, edges: (N + 1,) in time.
+
+    relative: (N,) the largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger.
+    excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`.
+    """
 
     time: np.ndarray
     epsilon: np.ndarray
     eta: np.ndarray
     edges: np.ndarray
+    relative: np.ndarray
+    excess: Mapping[str, np.ndarray]
 
     @property
     def max_eta(self) -> float:
@@ -43,8 +51,13 @@ class ErrorProfile:
 
 def error_profile(trajectory: Trajectory) -> ErrorProfile:
     """The error of a trajectory; epsilon is sampled where the trajectory's own dense grid is."""
-    sample = trajectory.dense
-    return ErrorProfile(sample.t, _epsilon(trajectory, sample), _eta(trajectory), trajectory.knots)
+    sample, eta = trajectory.dense, _eta(trajectory)
+    size = 1 + np.abs(sample.x).max(axis=1, keepdims=True)
+    relative = np.vstack([eta / size, _quadrature_error(trajectory)]).max(axis=0)
+    # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
+    shown = [(e.name, e.values[:-1]) for e in excesses(trajectory) if not e.algebraic]
+    excess = {name: values.reshape(trajectory.mesh.segments, -1).max(axis=1) for name, values in shown}
+    return ErrorProfile(sample.t, _epsilon(trajectory, sample), eta, trajectory.knots, relative, excess)
 
 
 def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
@@ -81,7 +94,7 @@ def _integral(trajectory: Trajectory, segments: np.ndarray, breaks: np.ndarray, 
     return pieces @ np.diff(breaks)
 
 
-def quadrature_error(trajectory: Trajectory) -> np.ndarray:
+def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     """The error of the integrals of each segment, relative to 1 + |the integral|: shape (integrals, N).
 
     The integrands, of the objective and of integral constraints, are integrated along the interpolants (Gauss's rule
@@ -103,6 +116,37 @@ def quadrature_error(trajectory: Trajectory) -> np.ndarray:
             errors[i, group.segments] = np.abs(trajectory.h[group.segments] * difference)
             totals[i] += float((trajectory.h[group.segments] * (rule @ group.scheme.b)).sum())
     return errors / (1 + np.abs(totals[:, None]))
+
+
+@dataclass(frozen=True)
+class Excess:
+    """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the dense grid.
+
+    algebraic: whether it is an algebraic variable, or an equation, as that between slack variables.
+    """
+
+    name: str
+    values: np.ndarray
+    algebraic: bool
+
+
+def excesses(trajectory: Trajectory) -> Iterator[Excess]:
+    """Of everything that is bounded over time; the solver holds only the collocation points to it."""
+    phase, sample = trajectory.phase, trajectory.dense
+    values = phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    for variable in (*phase.states, *phase.inputs):
+        if variable.bounds != Range():
+            excess = _excess(values[variable.name], variable.bounds)
+            yield Excess(f"bounds of {variable.name}", excess, variable in phase.algebraic)
+    for constraint in phase.path:
+        g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
+        yield Excess(f"path constraint '{constraint.name}'", _excess(g, constraint.bounds), constraint.bounds.fixed)
+
+
+def _excess(g: np.ndarray, bounds: Range) -> np.ndarray:
+    below = (bounds.lower - g) / (1 + abs(bounds.lower)) if np.isfinite(bounds.lower) else np.zeros_like(g)
+    above = (g - bounds.upper) / (1 + abs(bounds.upper)) if np.isfinite(bounds.upper) else np.zeros_like(g)
+    return np.maximum(np.maximum(below, above), 0.0)
 
 
 def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:

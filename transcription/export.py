@@ -1,21 +1,26 @@
 """The nonlinear program as a file for other solvers, or for reading.
 
-Pyomo's writers take ordinary models, not templated ones, so the same builder builds the model expanded.
+Pyomo's writers take ordinary models, not templated ones, so the same builder builds the model expanded. Pyomo's printer
+of LaTeX would write it with sums and quantifiers over Sets again: `latex` writes every equation out.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from contextlib import ExitStack
+from io import StringIO
 from pathlib import Path
 
 from ..problems.errors import Mistake, SpecError
 from ..problems.files import check_writable, replacing
 from ..problems.problem import Problem
+from . import latex
 from .mesh import Mesh
-from .transcribe import transcribe
+from .transcribe import Transcription, transcribe
 
 FORMATS = (".nl", ".gms", ".tex")
+NL_HEADER = 10  # lines
 
 
 def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = False) -> list[Path]:
@@ -30,28 +35,32 @@ def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = F
     written = [path, *(path.with_suffix(suffix) for suffix in (".row", ".col") if path.suffix == ".nl")]
     for target in written:
         check_writable(target, force)
-    model = transcribe(problem, meshes, templates=False).model
-    {".nl": _write_nl, ".gms": _write_gams, ".tex": _write_latex}[path.suffix](model, written)
+    expanded = transcribe(problem, meshes, templates=False)
+    {".nl": _write_nl, ".gms": _write_gams, ".tex": _write_latex}[path.suffix](expanded, written)
     return written
 
 
-def _write_nl(model, targets: Sequence[Path]) -> None:
+def _write_nl(expanded: Transcription, targets: Sequence[Path]) -> None:
     from pyomo.repn.plugins.nl_writer import NLWriter
 
+    text, model = StringIO(), expanded.model
+    model.name = " ".join(expanded.problem.name.split())  # it stands in a comment, at the end of the first line
     with ExitStack() as stack:
-        streams = [stack.enter_context(stack.enter_context(replacing(t)).open("w", newline="")) for t in targets]
-        NLWriter().write(model, *streams, symbolic_solver_labels=True, linear_presolve=False)
+        paths = [stack.enter_context(replacing(target)) for target in targets]
+        streams = [stack.enter_context(path.open("w", encoding="utf-8", newline="")) for path in paths]
+        NLWriter().write(model, text, *streams[1:], symbolic_solver_labels=True, linear_presolve=False)
+        *header, body = text.getvalue().split("\n", NL_HEADER)
+        # AMPL's own library skips Pyomo's comments; CasADi stops at them.
+        streams[0].write("\n".join([*header, re.sub(r"[ \t]*#.*", "", body)]))
 
 
-def _write_gams(model, targets: Sequence[Path]) -> None:
+def _write_gams(expanded: Transcription, targets: Sequence[Path]) -> None:
     import pyomo.environ  # noqa: F401  (registers the writers)
 
     with replacing(targets[0]) as temporary:
-        model.write(str(temporary), format="gams", io_options={"symbolic_solver_labels": True})
+        expanded.model.write(str(temporary), format="gams", io_options={"symbolic_solver_labels": True})
 
 
-def _write_latex(model, targets: Sequence[Path]) -> None:
-    from pyomo.contrib.latex_printer import latex_printer
-
-    with replacing(targets[0]) as temporary, temporary.open("w") as stream:
-        latex_printer(model, ostream=stream)
+def _write_latex(expanded: Transcription, targets: Sequence[Path]) -> None:
+    with replacing(targets[0]) as temporary, temporary.open("w", encoding="utf-8") as stream:
+        latex.write(expanded, stream)

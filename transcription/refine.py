@@ -3,28 +3,32 @@
 
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
 part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
-tolerance
+tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
+than EXCESS,
 
-    is split into three around a discontinuity of its controls, the middle part closing in on it;
+    is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points, P = log(error / tolerance) / log(degree) of them, if its method has a choice of degree
         and the dynamics are smooth there: the Legendre coefficients of f decay fast;
+    is split at a kink of its controls, where a constraint becomes active or inactive;
     is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance.
 
-Segments far below the tolerance lose points, and neighbours of one scheme that both are far below it are merged. Two
-things keep this and splitting from taking turns: it is done only below MERGE_MARGIN of the tolerance, and after
-MERGING_MESHES meshes not at all.
+Segments far below the tolerance lose points, and neighbours of one scheme that both
+are far below it are merged. Two things keep this and splitting from taking turns: it is done only below MERGE_MARGIN of
+the tolerance, and after MERGING_MESHES meshes not at all.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .error import ErrorProfile, quadrature_error
+from .error import ErrorProfile
 from .mesh import Mesh
 from .scheme import Scheme
 from .schemes import MAX_DEGREE, METHODS
+from .switches import Switches
 from .trajectory import Trajectory
 
 MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same error
@@ -33,8 +37,13 @@ DEGREE_STEP = 3  # each degree on a mesh has templates of its own to build; fewe
 DECAY = 0.4  # decades a coefficient: slower than that, f is not smooth on the segment
 MERGE_MARGIN = 1e-3
 MERGING_MESHES = 4
-CLOSING_IN = 0.1  # half width of the middle part around a discontinuity, relative to the segment
-JUMP = 0.25  # of a control's range within one segment: a discontinuity, if the control is smooth on neither side
+CLOSING_IN = 0.1  # half width of the middle part around a jump, relative to the segment
+SLIVER = 1e-3  # of a segment, at least, is cut off at a kink
+STANDS_OUT = 10.0  # times the error of both neighbours: they are good enough to say where a kink between them is
+EXCESS = 1e-4  # relative to 1 + |bound|, on average over the phase
+
+Piece = tuple[float, Scheme]
+"""Width and scheme of a segment of the next mesh."""
 
 
 @dataclass(frozen=True)
@@ -45,114 +54,135 @@ class Refinement:
     unmet: tuple[str, ...]
 
 
-def relative_error(trajectory: Trajectory, error: ErrorProfile) -> np.ndarray:
-    """The largest eta of each segment relative to 1 + max |x|, or error of an integral if larger, shape (N,)."""
-    size = 1 + np.abs(trajectory.dense.x).max(axis=1, keepdims=True)
-    return np.vstack([error.eta / size, quadrature_error(trajectory)]).max(axis=0)
-
-
 def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
     """The mesh to solve on next; pure, it changes nothing. merge: whether segments may lose points and be merged."""
-    mesh, errors = trajectory.mesh, relative_error(trajectory, error)
-    above = np.flatnonzero(~(errors <= tolerance))
-    if not len(above):
-        return Refinement(mesh, ())
-    pieces = []
-    for s in range(mesh.segments):
-        if errors[s] <= tolerance:
-            needless = merge and errors[s] < MERGE_MARGIN * tolerance
-            pieces.append([(mesh.widths[s], _lowered(mesh.schemes[s]) if needless else mesh.schemes[s])])
-        else:
-            pieces.append(_refine_segment(trajectory, s, float(errors[s]), tolerance))
+    segments = _Segments(trajectory, error, tolerance)
+    if not len(segments.bad):
+        return Refinement(trajectory.mesh, ())
+    bad = set(segments.bad.tolist())
+    pieces = [
+        segments.refined(s) if s in bad else [segments.lowered(s) if merge else segments.same(s)]
+        for s in range(trajectory.mesh.segments)
+    ]
     if merge:
-        pieces = _merge(pieces, errors, tolerance)
+        pieces = _merged(pieces, segments.needless)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
-    return Refinement(
-        Mesh(schemes, widths), tuple(_told(trajectory, s, errors[s]) for s in _worst_first(above, errors))
-    )
+    return Refinement(Mesh(schemes, widths), tuple(map(segments.told, segments.bad)))
 
 
-def _worst_first(above: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    return above[np.argsort(-np.nan_to_num(errors[above], nan=np.inf), kind="stable")]
+@dataclass(frozen=True)
+class _Segments:
+    """The segments of a solution, and what becomes of each."""
+
+    trajectory: Trajectory
+    error: ErrorProfile
+    tolerance: float
+
+    @cached_property
+    def excess(self) -> np.ndarray:
+        """The largest excess of anything bounded, shape (N,)."""
+        return np.max([*self.error.excess.values(), np.zeros(self.trajectory.mesh.segments)], axis=0)
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """The error over the tolerance, or excess over EXCESS if that is more, shape (N,)."""
+        errors = np.where(np.isfinite(self.error.relative), self.error.relative / self.tolerance, np.inf)
+        return np.fmax(errors, self.excess * self.trajectory.mesh.widths / EXCESS)
+
+    @cached_property
+    def bad(self) -> np.ndarray:
+        """The numbers of the segments that are not good enough, the worst first."""
+        order = np.argsort(-self.share, kind="stable")
+        return order[self.share[order] > 1]
+
+    @cached_property
+    def needless(self) -> np.ndarray:
+        """Whether a segment is so good that it may lose points, shape (N,)."""
+        return self.share < MERGE_MARGIN
+
+    @cached_property
+    def switches(self) -> Switches:
+        return Switches(self.trajectory)
+
+    def same(self, s: int) -> Piece:
+        return self.trajectory.mesh.widths[s], self.trajectory.mesh.schemes[s]
+
+    def lowered(self, s: int) -> Piece:
+        """With fewer points if they are needless, the method has a choice, and they stay enough to tell its quality."""
+        width, scheme = self.same(s)
+        method = METHODS[scheme.name]
+        if not self.needless[s] or method.nodes is None or scheme.degree - DEGREE_STEP < MIN_DEGREE:
+            return width, scheme
+        return width, method.of_degree(scheme.degree - DEGREE_STEP)
+
+    def refined(self, s: int) -> list[Piece]:
+        width, scheme = self.same(s)
+        error = self.error.relative[s]
+        ratio = error / self.tolerance if np.isfinite(error) else np.inf
+        if ratio > 1 and (jump := self.switches.jump(s)):
+            cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
+            return [(width * part, scheme) for part in np.diff(np.unique([0.0, *cuts, 1.0]))]
+        raised = self._raised(scheme, ratio)
+        if raised is not None and self._is_smooth(s):
+            return [(width, raised)]
+        if kink := self._kink(s):
+            cut = float(np.clip(kink, SLIVER, 1 - SLIVER))
+            return [(width * cut, scheme), (width * (1 - cut), scheme)]
+        # eta of a piece falls as h^(q + 1), q being the order of the interpolant's slope.
+        count = int(np.clip(np.ceil(ratio ** (1 / (len(scheme.c) + 1))), 2, 4)) if np.isfinite(ratio) else 4
+        return [(width / count, scheme)] * count
+
+    def _kink(self, s: int) -> float | None:
+        """Where on segment s a kink is, if it is what makes the error of this segment."""
+        errors = self.error.relative
+        if not 0 < s < len(errors) - 1 or not errors[s] > STANDS_OUT * max(errors[s - 1], errors[s + 1]):
+            return None
+        kink = self.switches.kink(s)
+        return kink.tau if kink else None
+
+    @staticmethod
+    def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
+        """The scheme with enough more points to reach the tolerance if f is analytic; None where there is none."""
+        method = METHODS[scheme.name]
+        if method.nodes is None or not 1 < ratio < np.inf:
+            return None
+        more = int(np.ceil(np.log(ratio) / np.log(max(scheme.degree, MIN_DEGREE))))
+        wanted = scheme.degree + DEGREE_STEP * -(-max(more, 1) // DEGREE_STEP)
+        return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
+
+    def _is_smooth(self, s: int) -> bool:
+        """Whether the Legendre coefficients of the dynamics on s fall by DECAY decades each, for every state."""
+        scheme = self.trajectory.mesh.schemes[s]
+        n = len(scheme.c)
+        if n < 3:
+            return True
+        f = self.trajectory.f[:, self.trajectory.mesh.first[s] + np.array(scheme.collocated)]
+        basis = np.polynomial.legendre.legvander(2 * scheme.c - 1, n - 1)
+        coefficients = np.abs(np.linalg.solve(basis, f.T)).T
+        floor = 1e-12 * (1 + np.abs(f).max(axis=1, keepdims=True))
+        slopes = np.polyfit(np.arange(n), np.log10(np.maximum(coefficients, floor)).T, 1)[0]
+        settled = (coefficients[:, -1:] <= 1e-6 * coefficients.max(axis=1, keepdims=True)).ravel()
+        return bool((settled | (slopes <= -DECAY)).all())
+
+    def told(self, s: int) -> str:
+        """Segment s in words: where it is, and why it is not good enough."""
+        knots, error = self.trajectory.knots, self.error
+        text = f"segment {s + 1}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
+        if self.excess[s] * self.trajectory.mesh.widths[s] > EXCESS:
+            name = max(error.excess, key=lambda name: error.excess[name][s])
+            text += f", {name} exceeded by {self.excess[s]:.1e}"
+        if jump := self.switches.jump(s):
+            text += f", {jump.name} jumps at about t = {knots[s] + jump.tau * self.trajectory.h[s]:.6g}"
+        return text
 
 
-def _told(trajectory: Trajectory, s: int, error: float) -> str:
-    jump = _jump(trajectory, s)
-    where = f"segment {s + 1}, t = {trajectory.knots[s]:.6g} to {trajectory.knots[s + 1]:.6g}: error {error:.1e}"
-    return where + (
-        f", a control jumps at about t = {trajectory.knots[s] + jump * trajectory.h[s]:.6g}" if jump else ""
-    )
-
-
-def _refine_segment(trajectory: Trajectory, s: int, error: float, tolerance: float) -> list:
-    width, scheme = trajectory.mesh.widths[s], trajectory.mesh.schemes[s]
-    ratio = error / tolerance if np.isfinite(error) else np.inf
-    if (tau := _jump(trajectory, s)) is not None:
-        cuts = np.clip([tau - CLOSING_IN, tau + CLOSING_IN], 0.0, 1.0)
-        parts = np.diff(np.unique(np.concatenate([[0.0], cuts, [1.0]])))
-        return [(width * part, scheme) for part in parts]
-    raised = _raised(scheme, ratio)
-    if raised is not None and _is_smooth(trajectory, s):
-        return [(width, raised)]
-    # eta of a piece falls as h^(q + 1), q being the order of the interpolant's slope.
-    count = int(np.clip(np.ceil(ratio ** (1 / (len(scheme.c) + 1))), 2, 4)) if np.isfinite(ratio) else 4
-    return [(width / count, scheme)] * count
-
-
-def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
-    """The scheme with enough more points to reach the tolerance if f is analytic; None where there is none."""
-    method = METHODS[scheme.name]
-    if method.nodes is None or not np.isfinite(ratio):
-        return None
-    degree = scheme.degree
-    more = int(np.ceil(np.log(ratio) / np.log(max(degree, MIN_DEGREE))))
-    wanted = degree + DEGREE_STEP * -(-max(more, 1) // DEGREE_STEP)
-    return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
-
-
-def _lowered(scheme: Scheme) -> Scheme:
-    """The scheme with fewer points, where its method has a choice and they stay enough to tell smooth from rough."""
-    method = METHODS[scheme.name]
-    if method.nodes is None or scheme.degree - DEGREE_STEP < MIN_DEGREE:
-        return scheme
-    return method.of_degree(scheme.degree - DEGREE_STEP)
-
-
-def _is_smooth(trajectory: Trajectory, s: int) -> bool:
-    """Whether the Legendre coefficients of the dynamics on segment s fall by DECAY decades each, for every state."""
-    scheme = trajectory.mesh.schemes[s]
-    n = len(scheme.c)
-    if n < 3:
-        return True
-    f = trajectory.f[:, trajectory.mesh.first[s] + np.array(scheme.collocated)]
-    basis = np.polynomial.legendre.legvander(2 * scheme.c - 1, n - 1)
-    coefficients = np.abs(np.linalg.solve(basis, f.T)).T
-    floor = 1e-12 * (1 + np.abs(f).max(axis=1, keepdims=True))
-    slopes = np.polyfit(np.arange(n), np.log10(np.maximum(coefficients, floor)).T, 1)[0]
-    settled = (coefficients[:, -1:] <= 1e-6 * coefficients.max(axis=1, keepdims=True)).ravel()
-    return bool((settled | (slopes <= -DECAY)).all())
-
-
-def _jump(trajectory: Trajectory, s: int) -> float | None:
-    """Where on segment s a control jumps, tau in [0, 1]; None if none does."""
-    sample = trajectory.grid(np.array([s]), np.linspace(0, 1, 41))
-    for i in range(len(trajectory.phase.controls)):
-        u, dense = sample.u[i, 0], trajectory.dense.u[i]
-        span = dense.max() - dense.min()
-        steps = np.abs(np.diff(u))
-        if span > 0 and abs(u[-1] - u[0]) > JUMP * span and steps.max() > 3 * np.median(steps):
-            k = int(np.argmax(steps))
-            return float((k + 0.5) / 40)
-    return None
-
-
-def _merge(pieces: list, errors: np.ndarray, tolerance: float) -> list:
-    """Merge neighbours that were left alone, have one scheme and nearly one width, and are far below the tolerance."""
+def _merged(pieces: list[list[Piece]], needless: np.ndarray) -> list[list[Piece]]:
+    """Merge neighbours that were left alone, have one scheme and nearly one width, and are needless."""
     merged, s = [], 0
     while s < len(pieces):
         pair = pieces[s : s + 2]
-        if len(pair) == 2 and all(len(p) == 1 for p in pair) and max(errors[s : s + 2]) < MERGE_MARGIN * tolerance:
+        if len(pair) == 2 and all(len(p) == 1 for p in pair) and needless[s : s + 2].all():
             (a, one), (b, other) = pair[0][0], pair[1][0]
             if one is other and 0.5 < a / b < 2:
                 merged.append([(a + b, one)])

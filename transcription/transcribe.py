@@ -70,8 +70,7 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
     if isinstance(meshes[0].schemes[0], Shooting):
         return _transcribe_shooting(problem, meshes, guess, templates)
     model = ConcreteModel(problem.name)
-    if problem.parameters:  # Pyomo's LaTeX printer fails on a component without members
-        model.p = Var([p.name for p in problem.parameters])
+    model.p = Var([p.name for p in problem.parameters])
     for parameter in problem.parameters:
         bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
     model.phase = Block([phase.name for phase in problem.phases])

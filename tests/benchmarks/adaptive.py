@@ -14,7 +14,8 @@ import time
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.solve import Refine, Settings, Step, solve
+from trajopt.transcription.settings import Refine, Settings, Step
+from trajopt.transcription.solve import solve
 
 TOLERANCE = 1e-8
 PAIRS = [  # a first mesh to refine, and the method and degree of the equal mesh

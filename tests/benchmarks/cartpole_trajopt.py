@@ -1,7 +1,7 @@
 """Cart-pole with trajopt, from problems/cartpole.yaml to the solution.
 
-Run as `python cartpole_trajopt.py SEGMENTS [OVERRIDE...]`, overrides as for `trajopt solve --set`; prints one JSON object.
-Seconds and iterations are those of all meshes, a coarse one to start from too.
+Run as `python cartpole_trajopt.py SEGMENTS [OVERRIDE...]`, overrides as for `trajopt solve --set`; prints one JSON
+object. Seconds and iterations are those of all meshes, a coarse one to start from too.
 
 The file is read and checked inside "build", since the other tools have no file to read. The error estimate is left out
 of "total", since the other tools make none.
@@ -18,7 +18,8 @@ from trajopt.problems.build import build  # noqa: E402
 from trajopt.problems.catalog import find  # noqa: E402
 from trajopt.problems.load import load  # noqa: E402
 from trajopt.transcription.ipopt import check_options  # noqa: E402
-from trajopt.transcription.solve import settings_of, solve, steps  # noqa: E402
+from trajopt.transcription.settings import settings_of, steps  # noqa: E402
+from trajopt.transcription.solve import solve  # noqa: E402
 
 check_options({})  # imports cyipopt, which is otherwise imported by the first solve
 imported = time.perf_counter()

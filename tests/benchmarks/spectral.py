@@ -11,7 +11,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from trajopt.transcription.solve import Step, solve
+from trajopt.transcription.settings import Step
+from trajopt.transcription.solve import solve
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 from exact import integration, integration_state

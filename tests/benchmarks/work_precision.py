@@ -16,7 +16,8 @@ import time
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.solve import Settings, Step, solve
+from trajopt.transcription.settings import Settings, Step
+from trajopt.transcription.solve import solve
 
 CONVERGED = {"cartpole": 58.80766746, "biped": 390.79053817}
 LADDERS = {

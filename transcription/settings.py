@@ -1,0 +1,90 @@
+"""How to solve, as data: the schedule of meshes, the engine and its options, refinement, scaling."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..problems.procedure import Mesh as MeshEntry
+from ..problems.spec import Spec
+from . import ipopt
+from .mesh import Mesh
+from .outcome import Outcome, Status
+from .schemes import find
+
+
+@dataclass(frozen=True)
+class Step:
+    """One entry of the mesh schedule: a method, a number of segments or their relative widths, the engine's tolerance.
+
+    degree: of a family of methods, one for all segments or one for each. form: of its defects, "integral" or
+    "differential". substeps: on each segment, and control: polynomial on each substep, of a shooting method.
+    """
+
+    method: str
+    segments: int | Sequence[float]
+    tolerance: float
+    degree: int | Sequence[int] | None = None
+    form: str | None = None
+    substeps: int | None = None
+    control: str | None = None
+
+    def mesh(self) -> Mesh:
+        if self.degree is None or isinstance(self.degree, int):
+            return Mesh.of(find(self.method, self.degree, self.form, self.substeps, self.control), self.segments)
+        widths = np.ones(len(self.degree)) if isinstance(self.segments, int) else np.asarray(self.segments)
+        return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
+
+
+def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
+    """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
+    keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
+    return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
+
+
+@dataclass(frozen=True)
+class Refine:
+    """Refine until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
+
+    tolerance: float = 1e-6
+    max_meshes: int = 10
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
+    whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
+    scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
+    """
+
+    options: Mapping[str, object] = field(default_factory=dict)
+    engine: str = "ipopt"
+    accept: Status = Status.SOLVED
+    refine: Refine | None = None
+    scaling: Mapping[str, float] | None = None
+    coarse_start: bool = True
+
+    def run(self) -> Callable[..., Outcome]:
+        """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
+        if self.engine == "ipopt":
+            return ipopt.solve
+        from . import newton
+
+        return newton.solve
+
+
+DEFAULT = Settings()
+
+
+def settings_of(spec: Spec) -> Settings:
+    """The settings of a problem file."""
+    return Settings(
+        options=spec.solver.options,
+        engine=spec.solver.engine,
+        accept=Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED,
+        refine=Refine(spec.refine.tolerance, spec.refine.max_meshes) if spec.refine else None,
+        scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
+        coarse_start=spec.solver.coarse_start,
+    )
