@@ -93,9 +93,9 @@ class Guess:
     values: Mapping[str, np.ndarray]
     parameters: Mapping[str, float] = field(default_factory=dict)
 
-    def sample(self, name: str, s: np.ndarray) -> np.ndarray:
-        """Values of one state or input at normalised times s, any shape."""
-        return np.interp(s, self.s, self.values[name])
+    def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
+        """Name of each state and input -> its values at normalised times s, any shape."""
+        return {name: np.interp(s, self.s, values) for name, values in self.values.items()}
 
 
 @dataclass(frozen=True)

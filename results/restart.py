@@ -36,7 +36,7 @@ def _guess(path: Path, file: h5py.File, phase: Phase) -> Guess:
         initial_time=phase.initial_time.clip(float(time[0])),
         final_time=phase.final_time.clip(float(time[-1])),
         s=s,
-        values={name: known.get(name, own.sample(name, s)) for name in own.values},
+        values={**own.samples(s), **{name: values for name, values in known.items() if name in own.values}},
         parameters={**own.parameters, **{name: float(value[()]) for name, value in group["parameter"].items()}},
     )
 

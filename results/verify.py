@@ -153,7 +153,7 @@ class _Hamiltonian:
         for family in result.transcription.families:
             if family.phase != self.phase.name or family.kind not in KINDS:
                 continue
-            y, key = result.outcome.y[result.nlp.rows(family.component)], (family.kind, family.name)
+            y, key = result.outcome.y[family.rows(result.nlp)], (family.kind, family.name)
             if family.kind == "integral":
                 found[key] = float(y[0])
                 continue

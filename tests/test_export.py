@@ -84,7 +84,7 @@ class Reference:
     def program(self, suffix: str) -> Program:
         nlp = compiled(self.transcription)
         g = nlp.constraints(self.z)
-        rows = np.concatenate([nlp.rows(family.component) for family in self.transcription.families])
+        rows = np.concatenate([family.rows(nlp) for family in self.transcription.families])
         names = [label(*nlp.row_name(row), suffix) for row in rows]
         slacks = zip((g - nlp.cl)[rows].tolist(), (nlp.cu - g)[rows].tolist(), strict=True)
         bounds = dict(zip(self.names(suffix), self.bounds, strict=True))

@@ -54,7 +54,7 @@ def test_sizes_follow_the_rule():
     (layout,) = transcription.phases
     assert scaling.z[layout.u[0]] == pytest.approx(1 / 20)
     for family in transcription.families:
-        assert scaling.g[nlp.rows(family.component)] == pytest.approx(1 / scaling.sizes[family.name])
+        assert scaling.g[family.rows(nlp)] == pytest.approx(1 / scaling.sizes[family.name])
 
 
 def test_given_sizes_count():

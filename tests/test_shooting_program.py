@@ -53,7 +53,7 @@ def test_a_segment_does_not_depend_on_controls_to_come():
     nlp, (layout,) = compiled(transcription), transcription.phases
     limit = next(f for f in transcription.families if f.kind in ("path", "bound"))
     rows, columns = nlp.jacobianstructure()
-    for row, time in zip(nlp.rows(limit.component), limit.span[:, 0], strict=True):
+    for row, time in zip(limit.rows(nlp), limit.span[:, 0], strict=True):
         later = layout.u[:, layout.mesh.fractions > time + 0.1].ravel()  # a middle sees the end of its substep
         assert not np.isin(columns[rows == row], later).any()
 
@@ -75,7 +75,7 @@ def test_rows_are_told_by_name():
     transcription = transcribe(named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=2), 3)])
     nlp = compiled(transcription)
     for family in transcription.families:
-        rows = nlp.rows(family.component)
+        rows = family.rows(nlp)
         assert len(rows.ravel()) == len(family.span)
         assert nlp.row_name(int(rows.ravel()[-1]))[0] == f"{family.kind} {family.name}"
 

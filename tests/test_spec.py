@@ -37,7 +37,7 @@ def test_shipped_problem_loads_and_builds(path):
     assert path.stem == "template" or spec.reference is not None
     assert spec.text.startswith("# ")
     (phase,) = build(spec).phases
-    values = {name: phase.guess.sample(name, np.array([0.0, 0.5, 1.0])) for name in phase.guess.values}
+    values = phase.guess.samples(np.array([0.0, 0.5, 1.0]))
     values |= {"t": np.array([0.0, 0.5, 1.0]), **phase.guess.parameters}
     assert all(np.all(np.isfinite(state.rate(values, np))) for state in phase.states)
     assert all(np.all(np.isfinite(residual.function(values, np))) for residual in phase.residuals)
@@ -99,7 +99,7 @@ def test_cartpole():
     # (6.1) at q2 = 1, v2 = 2, u = 3
     expected = (0.5 * 0.3 * np.sin(1) * 4 + 3 + 0.3 * 9.81 * np.cos(1) * np.sin(1)) / (1 + 0.3 * np.sin(1) ** 2)
     assert v1.rate({"q2": 1.0, "v2": 2.0, "u": 3.0}, np) == pytest.approx(expected, rel=1e-14)
-    assert phase.guess.sample("q2", np.array([0.5])) == pytest.approx(pi / 2)
+    assert phase.guess.samples(np.array([0.5]))["q2"] == pytest.approx(pi / 2)
 
 
 def test_functions_and_ranges():

@@ -7,7 +7,7 @@ residuals, bounds of states that are no variables, and integrals follow from the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
@@ -21,12 +21,12 @@ from .mesh import Mesh
 
 @dataclass(frozen=True)
 class Family:
-    """The constraints of one Pyomo component, told in the user's terms.
+    """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
 
     kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
     state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
     of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
-    component that holds several rows of each segment has a tuple of them.
+    component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
     component: Constraint
@@ -37,6 +37,11 @@ class Family:
     weights: np.ndarray
     group: int = 0
     row: int | tuple[int, ...] = 0
+    part: slice = field(default_factory=lambda: slice(None))
+
+    def rows(self, nlp) -> np.ndarray:
+        """The numbers of its rows in a compiled program, shape (M,)."""
+        return nlp.rows(self.component)[self.part]
 
 
 @dataclass(frozen=True)
@@ -121,19 +126,19 @@ class PhaseBuilder:
         collocated = self.points("collocated", mesh.collocated)
         block.u = Var([control.name for control in phase.controls], collocated)
         block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
+        curves = guess.samples(mesh.fractions)
         for state in phase.states:
             if state.name in names:
-                data = self._fill(block.x, state.name, points.tolist(), state.bounds, guess)
+                data = self._fill(block.x, state.name, points.tolist(), state.bounds, curves[state.name].tolist())
                 for k, ends in ((0, state.initial), (self.last, state.final)):
                     if k in data:
                         bound(data[k], ends, data[k].value)
         for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
-            self._fill(component, name, mesh.collocated.tolist(), variable.bounds, guess)
+            self._fill(component, name, mesh.collocated.tolist(), variable.bounds, curves[name].tolist())
 
-    def _fill(self, component: Var, name: str, points: list[int], bounds: Range, guess) -> dict:
+    def _fill(self, component: Var, name: str, points: list[int], bounds: Range, values: list[float]) -> dict:
         """Give one state or input its bounds and initial values; returns the variables by point."""
         lower, upper = _finite(bounds.lower), _finite(bounds.upper)
-        values = guess.sample(name, self.mesh.fractions).tolist()
         data = {k: component[name, k] for k in points}
         for k, variable in data.items():
             variable.set_value(values[k], skip_validation=True)
@@ -150,8 +155,12 @@ class PhaseBuilder:
         self.block.add_component(name, Set(initialize=points.tolist()))
         return self.block.component(name)
 
-    def data(self, name: str, index, values: np.ndarray) -> None:
-        self.block.add_component(name, Param(index, initialize=dict(zip(index, values.tolist(), strict=True))))
+    def data(self, name: str, index, values: np.ndarray) -> Param:
+        """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
+        index = RangeSet(0, len(values) - 1) if index is None else index
+        parameter = Param(index, initialize=dict(zip(index, values.tolist(), strict=True)))
+        self.block.add_component(name, parameter)
+        return parameter
 
     @property
     def inputs(self) -> list[tuple[Var, str]]:
@@ -208,12 +217,17 @@ class PhaseBuilder:
 
             self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
 
-    def add(self, component: str, over, rule, kind: str, name: str, span, weights=1.0, group=0, row=0) -> None:
+    def add(self, component: str, over, rule, kind: str, name: str, span, **told) -> None:
+        """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
+        self.tell(constraint, kind, name, span, **told)
+
+    def tell(self, constraint: Constraint, kind: str, name: str, span, weights=1.0, **told) -> None:
+        """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
-        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, group, row))
+        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
 
     def _everywhere(self, component: str, constraint, kind: str) -> None:
         """A constraint at every collocation point (paper, 3.3 and 4.3)."""
@@ -238,7 +252,7 @@ class PhaseBuilder:
     def _at_place(self, component: str, place: Place, relation, kind: str, name: str) -> None:
         times = self.mesh.fractions[place.points]
         rule = (lambda b: relation(None)) if place.over is None else (lambda b, k: relation(k))
-        self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), place.quadrature)
+        self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), weights=place.quadrature)
 
     def cost(self):
         cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0

@@ -14,14 +14,16 @@ segments, whatever the degree; otherwise there is one template for each row, ind
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pyomo.core as pyomo
-from pyomo.core import RangeSet, Set
+from pyomo.core import Constraint, RangeSet, Set
 
 from ..problems.problem import State
 from .builder import PhaseBuilder, Place
 from .mesh import Group
+from .point_rows import PointRows, point_rows
 
 
 class CollocationBuilder(PhaseBuilder):
@@ -105,8 +107,8 @@ class CollocationBuilder(PhaseBuilder):
         for i, (group, over) in enumerate(zip(self.mesh.groups, self.members, strict=True)):
             if group.scheme.point_rows is None:
                 self._rows_by_segment(group, over, i)
-            else:
-                self._rows_by_point(group, i)
+        for rows in point_rows(self.mesh):
+            self._rows_by_point(rows)
 
     def _rows_by_segment(self, group: Group, over, number: int) -> None:
         span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
@@ -145,41 +147,32 @@ class CollocationBuilder(PhaseBuilder):
         pairs = zip(scheme.collocated, weights, strict=True)
         return [state.rate(nodes[i], pyomo) if weight else None for i, weight in pairs]
 
-    def _rows_by_point(self, group: Group, number: int) -> None:
-        """sum_i L[r, i] x_i == h (a_r f_own + b_r f_other), the coefficients being data of each row of each segment."""
-        scheme, mesh, size = group.scheme, self.mesh, len(group.segments)
-        for kind, rows in scheme.point_rows:
-            index = f"defect{number}_{kind}"
-            over = RangeSet(0, size * len(rows) - 1)
-            self.block.add_component(f"{index}_row", over)
-            self.owners[id(over)] = np.repeat(group.segments, len(rows))
-            data = {
-                "first": np.repeat(mesh.first[group.segments], len(rows)),
-                "width": np.repeat(mesh.widths[group.segments], len(rows)),
-                **{f"L{i}": np.tile(scheme.L[rows, i], size) for i in range(len(scheme.sigma))},
-            }
-            terms = scheme.rate_terms(rows)
-            for j, (nodes, weights) in enumerate(terms):
-                data[f"point{j}"] = (mesh.first[group.segments, None] + nodes).ravel()
-                data[f"R{j}"] = np.tile(weights, size)
-            columns = {name: self._column(f"{index}_{name}", over, values) for name, values in data.items()}
-            times = mesh.fractions[data["point0"]] if terms else np.repeat(mesh.edges[group.segments + 1], len(rows))
-            count = len(terms)
-            for state in self.phase.states:
+    def _rows_by_point(self, rows: PointRows) -> None:
+        block, mesh, name = self.block, self.mesh, f"rows{rows.terms}"
+        over = RangeSet(0, len(rows.row) - 1)
+        block.add_component(f"{name}_q", over)
+        self.owners[id(over)] = rows.segments
+        start, own = mesh.first[rows.segments], rows.point[rows.row, 0] if rows.terms else mesh.degrees[rows.segments]
+        times = mesh.fractions[start + own]
+        columns = {"first": start, "width": mesh.widths[rows.segments], "row": rows.row}
+        first, width, row = (self.data(f"{name}_{key}", over, values) for key, values in columns.items())
+        # Row r of a table of n columns starts at n r: Pyomo is slower with two indices.
+        nodes, tables = rows.L.shape[1], {"L": rows.L, "node": rows.node, "R": rows.R, "point": rows.point}
+        L, node, R, point = (self.data(f"{name}_{key}", None, table.ravel()) for key, table in tables.items())
 
-                def rule(block, q, state=state, c=columns, count=count):
-                    x = [block.x[state.name, c["first"][q] + i] for i in range(len(scheme.sigma))]
-                    left = sum([c[f"L{i}"][q] * x[i] for i in range(len(x))])
-                    f = [state.rate(self.at(c[f"point{j}"][q], self.names), pyomo) for j in range(count)]
-                    right = sum([c[f"R{j}"][q] * f[j] for j in range(count)])
-                    return left == self.duration * c["width"][q] * right if count else left == 0.0
+        def defect(block, q, state: State):
+            k, a, r = first[q], nodes * row[q], rows.terms * row[q]
+            left = sum([L[a + i] * block.x[state.name, k + node[a + i]] for i in range(nodes)])
+            f = [state.rate(self.at(k + point[r + j], self.names), pyomo) for j in range(rows.terms)]
+            right = sum([R[r + j] * f_j for j, f_j in enumerate(f)])
+            return left == self.duration * width[q] * right if f else left == 0.0
 
-                name = f"{index}_{state.name}"
-                self.add(name, over, rule, "defect", state.name, (times, times), group=number, row=tuple(rows))
-
-    def _column(self, name: str, over, values: np.ndarray):
-        self.data(name, over, values)
-        return self.block.component(name)
+        for state in self.phase.states:
+            constraint = Constraint(over, rule=partial(defect, state=state))
+            block.add_component(f"defect_of_{rows.terms}_{state.name}", constraint)
+            for part in rows.parts:
+                span = times[part.q], times[part.q]
+                self.tell(constraint, "defect", state.name, span, group=part.group, row=part.rows, part=part.q)
 
 
 def _dot(weights: np.ndarray, values: Sequence):

@@ -58,7 +58,7 @@ def _defect_multipliers(layout: Layout, number: int, transcription, nlp, outcome
     mu = np.zeros((len(names), len(group.segments), len(group.scheme.L)))
     for family in transcription.families:
         if (family.kind, family.phase, family.group) == ("defect", layout.phase.name, number):
-            y = outcome.y[nlp.rows(family.component)]
+            y = outcome.y[family.rows(nlp)]
             rows = [family.row] if isinstance(family.row, int) else list(family.row)
             mu[names.index(family.name)][:, rows] = y.reshape(len(group.segments), len(rows))
     return mu

@@ -75,7 +75,7 @@ def violations(transcription: Transcription, nlp: CompiledNLP, z: np.ndarray) ->
     phases = {trajectory.phase.name: trajectory for trajectory in trajectories(transcription, z)}
     worst: dict[tuple, Violation] = {}
     for family in transcription.families:
-        violation = _worst(family, excess[nlp.rows(family.component)], phases[family.phase])
+        violation = _worst(family, excess[family.rows(nlp)], phases[family.phase])
         key = family.phase, family.kind, family.name
         worst[key] = max(worst.get(key, violation), violation, key=lambda v: v.amount)
     large = max((v.amount for v in worst.values()), default=0.0) * ACTIVE
@@ -128,7 +128,7 @@ def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, 
 
     own = [f for f in transcription.families if f.kind not in ("defect", "residual")]
     for key, same in groupby(sorted(own, key=of), of):
-        acting = [f.span[np.abs(outcome.y[nlp.rows(f.component)]) / f.weights > limit] for f in same]
+        acting = [f.span[np.abs(outcome.y[f.rows(nlp)]) / f.weights > limit] for f in same]
         s = np.concatenate(acting).ravel()
         if len(s):
             over_time = key[1] in ("path", "bound")
@@ -158,7 +158,7 @@ def _count(transcription: Transcription, nlp: CompiledNLP) -> str:
     free = sum(lower is None or lower != upper for lower, upper in ranges)
     counts: dict[str, int] = {}
     for family in transcription.families:
-        rows = nlp.rows(family.component)
+        rows = family.rows(nlp)
         what = _what(family.phase, family.kind, family.name)
         counts[what] = counts.get(what, 0) + int((nlp.cl[rows] == nlp.cu[rows]).sum())
     parts = [f"{count} from {what}" for what, count in counts.items() if count]

@@ -81,7 +81,7 @@ class _Document:
         )
 
     def summary(self) -> None:
-        constraints = sum(len(family.component) for family in self.transcription.families)
+        constraints = sum(len(family.span) for family in self.transcription.families)
         self.stream.write(f"\\section*{{{escaped(self.transcription.problem.name)}}}\n")
         self.stream.write(f"{len(self.transcription.variables)} unknowns, {constraints} constraints.\n")
         for layout in self.transcription.phases:
@@ -108,7 +108,7 @@ class _Document:
         meshes = {layout.phase.name: layout.mesh for layout in self.transcription.phases}
         for family in self.transcription.families:
             labels = _labels(family, meshes[family.phase])
-            for label, constraint in zip(labels, family.component.values(), strict=True):
+            for label, constraint in zip(labels, list(family.component.values())[family.part], strict=True):
                 self.stream.write(f"{label}\n")
                 self.formulas([self.formula_of(constraint.expr)])
 

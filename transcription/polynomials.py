@@ -6,6 +6,8 @@ Berrut and Trefethen, SIAM Review 46(3), 2004.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 
@@ -65,13 +67,18 @@ def jacobi_nodes(n: int, alpha: int, beta: int) -> np.ndarray:
     return (1 + np.linalg.eigvalsh(matrix)) / 2
 
 
+@cache
+def _gauss_legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.polynomial.legendre.leggauss(n)
+
+
 def integrated_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """Integrals of the Lagrange polynomials of the nodes c from 0 to tau, shape (m, n).
 
     Gauss-Legendre quadrature with enough points to be exact; monomial coefficients would lose digits at high degree.
     """
     tau = np.asarray(tau, float)
-    nodes, weights = np.polynomial.legendre.leggauss(len(c) // 2 + 1)
+    nodes, weights = _gauss_legendre(len(c) // 2 + 1)
     inside = np.outer(tau, (nodes + 1) / 2)
     values = lagrange_basis(c, inside.ravel()).reshape(len(tau), len(nodes), len(c))
     return np.einsum("m,q,mqn->mn", tau, weights / 2, values)

@@ -7,14 +7,15 @@ tolerance, or whose excess over bounds and path constraints between its points, 
 than EXCESS,
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
-    gets more collocation points, P = log(error / tolerance) / log(degree) of them, if its method has a choice of degree
-        and the dynamics are smooth there: the Legendre coefficients of f decay fast;
+    gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
+        coefficients of f decay fast, and the number of points is that which brings them below the tolerance;
     is split at a kink of its controls, where a constraint becomes active or inactive;
     is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance.
 
-Segments far below the tolerance lose points, and neighbours of one scheme that both
-are far below it are merged. Two things keep this and splitting from taking turns: it is done only below MERGE_MARGIN of
-the tolerance, and after MERGING_MESHES meshes not at all.
+Where a mesh is not good enough, segments above MARGIN of the tolerance are refined as well. Segments far below the
+tolerance lose points, and neighbours of one scheme that both are far below it are merged. Two things keep this and
+splitting from taking turns: it is done only below MERGE_MARGIN of the tolerance, and after MERGING_MESHES meshes not
+at all.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ from .trajectory import Trajectory
 
 MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same error
 MIN_DEGREE = 3
-DEGREE_STEP = 3  # each degree on a mesh has templates of its own to build; fewer degrees, fewer of them
 DECAY = 0.4  # decades a coefficient: slower than that, f is not smooth on the segment
 MERGE_MARGIN = 1e-3
 MERGING_MESHES = 4
+MARGIN = 0.5  # of the tolerance: what is nearly bad is refined along with what is, lest it needs another mesh
 CLOSING_IN = 0.1  # half width of the middle part around a jump, relative to the segment
-SLIVER = 1e-3  # of a segment, at least, is cut off at a kink
+SLIVER = 0.02  # of a segment, at least, is cut off at a kink
 STANDS_OUT = 10.0  # times the error of both neighbours: they are good enough to say where a kink between them is
 EXCESS = 1e-4  # relative to 1 + |bound|, on average over the phase
 
@@ -59,9 +60,9 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     segments = _Segments(trajectory, error, tolerance)
     if not len(segments.bad):
         return Refinement(trajectory.mesh, ())
-    bad = set(segments.bad.tolist())
+    near = segments.share > MARGIN
     pieces = [
-        segments.refined(s) if s in bad else [segments.lowered(s) if merge else segments.same(s)]
+        segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
         for s in range(trajectory.mesh.segments)
     ]
     if merge:
@@ -109,26 +110,28 @@ class _Segments:
         return self.trajectory.mesh.widths[s], self.trajectory.mesh.schemes[s]
 
     def lowered(self, s: int) -> Piece:
-        """With fewer points if they are needless, the method has a choice, and they stay enough to tell its quality."""
+        """With fewer points if they are needless, the method has a choice, and they stay enough to tell its quality.
+
+        Half as many fewer as the decay of f allows: the error of some methods grows twice as fast.
+        """
         width, scheme = self.same(s)
         method = METHODS[scheme.name]
-        if not self.needless[s] or method.nodes is None or scheme.degree - DEGREE_STEP < MIN_DEGREE:
+        if not self.needless[s] or method.nodes is None or scheme.degree <= MIN_DEGREE:
             return width, scheme
-        return width, method.of_degree(scheme.degree - DEGREE_STEP)
+        fewer = int(np.log10(MARGIN / max(self.share[s], 1e-16)) / max(self._decay(s), DECAY) / 2)
+        return width, method.of_degree(max(scheme.degree - fewer, MIN_DEGREE))
 
     def refined(self, s: int) -> list[Piece]:
         width, scheme = self.same(s)
         error = self.error.relative[s]
-        ratio = error / self.tolerance if np.isfinite(error) else np.inf
+        ratio = error / (MARGIN * self.tolerance) if np.isfinite(error) else np.inf
         if ratio > 1 and (jump := self.switches.jump(s)):
             cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
             return [(width * part, scheme) for part in np.diff(np.unique([0.0, *cuts, 1.0]))]
-        raised = self._raised(scheme, ratio)
-        if raised is not None and self._is_smooth(s):
+        if raised := self._raised(s, ratio):
             return [(width, raised)]
         if kink := self._kink(s):
-            cut = float(np.clip(kink, SLIVER, 1 - SLIVER))
-            return [(width * cut, scheme), (width * (1 - cut), scheme)]
+            return [(width * kink, scheme), (width * (1 - kink), scheme)]
         # eta of a piece falls as h^(q + 1), q being the order of the interpolant's slope.
         count = int(np.clip(np.ceil(ratio ** (1 / (len(scheme.c) + 1))), 2, 4)) if np.isfinite(ratio) else 4
         return [(width / count, scheme)] * count
@@ -139,31 +142,34 @@ class _Segments:
         if not 0 < s < len(errors) - 1 or not errors[s] > STANDS_OUT * max(errors[s - 1], errors[s + 1]):
             return None
         kink = self.switches.kink(s)
-        return kink.tau if kink else None
+        return kink.tau if kink and SLIVER < kink.tau < 1 - SLIVER else None
 
-    @staticmethod
-    def _raised(scheme: Scheme, ratio: float) -> Scheme | None:
-        """The scheme with enough more points to reach the tolerance if f is analytic; None where there is none."""
+    def _raised(self, s: int, ratio: float) -> Scheme | None:
+        """The scheme with enough more points to reach the tolerance, where f is smooth and the method has a choice."""
+        scheme = self.trajectory.mesh.schemes[s]
         method = METHODS[scheme.name]
-        if method.nodes is None or not 1 < ratio < np.inf:
+        if method.nodes is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
             return None
-        more = int(np.ceil(np.log(ratio) / np.log(max(scheme.degree, MIN_DEGREE))))
-        wanted = scheme.degree + DEGREE_STEP * -(-max(more, 1) // DEGREE_STEP)
+        wanted = scheme.degree + int(np.ceil(np.log10(ratio) / decay))
         return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
 
-    def _is_smooth(self, s: int) -> bool:
-        """Whether the Legendre coefficients of the dynamics on s fall by DECAY decades each, for every state."""
+    def _decay(self, s: int) -> float:
+        """By how many decades each Legendre coefficient of the dynamics on segment s is smaller than the one before.
+
+        Of the slowest state, and at most log10 of the degree, the rate of Patterson, Hager and Rao.
+        """
         scheme = self.trajectory.mesh.schemes[s]
         n = len(scheme.c)
+        fastest = float(np.log10(max(scheme.degree or n, MIN_DEGREE)))
         if n < 3:
-            return True
+            return fastest
         f = self.trajectory.f[:, self.trajectory.mesh.first[s] + np.array(scheme.collocated)]
         basis = np.polynomial.legendre.legvander(2 * scheme.c - 1, n - 1)
         coefficients = np.abs(np.linalg.solve(basis, f.T)).T
         floor = 1e-12 * (1 + np.abs(f).max(axis=1, keepdims=True))
         slopes = np.polyfit(np.arange(n), np.log10(np.maximum(coefficients, floor)).T, 1)[0]
         settled = (coefficients[:, -1:] <= 1e-6 * coefficients.max(axis=1, keepdims=True)).ravel()
-        return bool((settled | (slopes <= -DECAY)).all())
+        return float(np.min(-slopes[~settled], initial=fastest))
 
     def told(self, s: int) -> str:
         """Segment s in words: where it is, and why it is not good enough."""

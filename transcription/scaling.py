@@ -81,7 +81,7 @@ def _rows(
     except NotFinite:
         largest[:] = 1.0
     for family in transcription.families:
-        rows = nlp.rows(family.component)
+        rows = family.rows(nlp)
         if family.kind in ("defect", "bound"):
             g[rows] = 1 / sizes[family.name]
         else:

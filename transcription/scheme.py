@@ -111,11 +111,6 @@ class Scheme:
         counts = np.count_nonzero(self.R, axis=1)
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
 
-    def rate_terms(self, rows: list[int]) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For rows with equally many dynamics: (state nodes, weights), an entry a row, of each term; its own first."""
-        columns = np.array([np.flatnonzero(self.R[r])[::-1] for r in rows])
-        return [(np.array(self.collocated)[c], self.R[rows, c]) for c in columns.T]
-
     def eliminate(self, node: int, row: int, x, f, h):
         """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
         combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)

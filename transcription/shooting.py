@@ -125,8 +125,9 @@ def _lay_out(phase: Phase, mesh: Mesh, guess, place) -> Layout:
     x = np.full((len(phase.states), len(mesh.fractions)), -1)
     u = np.full((len(phase.inputs), len(mesh.fractions)), -1)
     knots, nodes = set(mesh.knots.tolist()), set(mesh.collocated.tolist())
-    states = [guess.sample(state.name, mesh.fractions).tolist() for state in phase.states]
-    inputs = [guess.sample(variable.name, mesh.fractions).tolist() for variable in phase.inputs]
+    curves = guess.samples(mesh.fractions)
+    states = [curves[state.name].tolist() for state in phase.states]
+    inputs = [curves[variable.name].tolist() for variable in phase.inputs]
     last = len(mesh.fractions) - 1
     for k in range(last + 1):
         if k in knots:

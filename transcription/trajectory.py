@@ -126,12 +126,11 @@ class Trajectory:
         sides = np.bincount(points)
         return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
 
-    def sample(self, name: str, s: np.ndarray) -> np.ndarray:
-        """One state or input at normalised times s, shape (M,): a trajectory is a guess for the next mesh."""
-        states = [state.name for state in self.phase.states]
-        inputs = [variable.name for variable in self.phase.inputs]
+    def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
+        """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""
         sample = self.at(s)
-        return sample.x[states.index(name)] if name in states else sample.u[inputs.index(name)]
+        names = [variable.name for variable in (*self.phase.states, *self.phase.inputs)]
+        return dict(zip(names, (*sample.x, *sample.u), strict=True))
 
     @cached_property
     def dense(self) -> Sample:

@@ -19,6 +19,7 @@ import numpy as np
 from .builder import Family
 from .compiler import CompiledNLP
 from .ipopt import Start
+from .mesh import Group
 from .outcome import Outcome
 from .runge_kutta import Shooting
 from .scheme import Scheme
@@ -49,8 +50,14 @@ def _has_densities(scheme) -> bool:
 def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:
     """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,)."""
     y = np.zeros(nlp.m)
-    for family in transcription.families:
-        y[nlp.rows(family.component)] = _family(family, old, transcription)
+    for layout, trajectory in zip(transcription.phases, old.trajectories, strict=True):
+        costate = trajectory.at(layout.mesh.fractions).costate * transcription.problem.sense
+        mu = [_defects(group, costate) for group in layout.mesh.groups]
+        for family in transcription.families:
+            if family.phase != layout.phase.name:
+                continue
+            rows = family.rows(nlp)
+            y[rows] = _of_state(family, layout, mu) if family.kind == "defect" else _density(family, old)
     lower, upper = np.zeros((2, nlp.n))
     for new, values in ((lower, old.outcome.z_lower), (upper, old.outcome.z_upper)):
         new[transcription.parameters] = values[old.transcription.parameters]
@@ -59,43 +66,44 @@ def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> S
     return Start(y, lower, upper)
 
 
-def _family(family: Family, old: Solved, transcription: Transcription) -> np.ndarray:
-    number = [layout.phase.name for layout in transcription.phases].index(family.phase)
-    if family.kind == "defect":
-        layout, trajectory = transcription.phases[number], old.trajectories[number]
-        return _defects(family, layout, trajectory) * transcription.problem.sense
+def _density(family: Family, old: Solved) -> np.ndarray:
+    """The multipliers of a constraint that is no defect."""
     wanted = (family.phase, family.kind, family.name)
     same = [f for f in old.transcription.families if (f.phase, f.kind, f.name) == wanted]
     if not same:  # the bounds of a state that the scheme before did not eliminate
         return np.zeros(len(family.span))
-    before = np.concatenate([old.outcome.y[old.nlp.rows(f.component)] / f.weights for f in same])
+    before = np.concatenate([old.outcome.y[f.rows(old.nlp)] / f.weights for f in same])
     times = np.concatenate([f.span[:, 0] for f in same])
     order = np.argsort(times)
     return family.weights * np.interp(family.span[:, 0], times[order], before[order])
 
 
-def _defects(family: Family, layout: Layout, trajectory: Trajectory) -> np.ndarray:
-    """mu of one state and one row (or several), for every segment, in the least-squares sense:
+def _of_state(family: Family, layout: Layout, mu: list[np.ndarray]) -> np.ndarray:
+    """The multipliers of one family of defects, from those of all, see `_defects`."""
+    state = [s.name for s in layout.phase.states].index(family.name)
+    scheme = layout.mesh.groups[family.group].scheme
+    if isinstance(scheme, Shooting):
+        return mu[family.group][state, :, 0]
+    wanted = [family.row] if isinstance(family.row, int) else family.row
+    return mu[family.group][state][:, [scheme.rows.index(r) for r in wanted]].ravel()
 
-    mu = -lambda at the end of a segment that is simulated. For collocation
+
+def _defects(group: Group, costate: np.ndarray) -> np.ndarray:
+    """mu of every state, segment and row of a group, from the costates at the points of the mesh, (n_x, K).
+
+    mu = -lambda at the end of a segment that is simulated. For collocation, in the least-squares sense,
     mu R = -b lambda at the collocation nodes; and, where an end of the segment is none, so that its state stands in the
     left sides only, mu L = -lambda at the end and mu L = lambda at the start.
     """
-    group = layout.mesh.groups[family.group]
-    scheme, state = group.scheme, [s.name for s in layout.phase.states].index(family.name)
-    times = layout.mesh.fractions[group.nodes]
-    costate = trajectory.at(times.ravel()).costate[state].reshape(times.shape)
+    scheme, lambdas = group.scheme, costate[:, group.nodes]
     if isinstance(scheme, Shooting):
-        return -costate[:, -1]
-    matrix, target = [scheme.R], [-scheme.b * costate[:, scheme.collocated]]
+        return -lambdas[..., -1:]
+    matrix, target = [scheme.R], [-scheme.b * lambdas[..., scheme.collocated]]
     for node, sign in ((0, 1.0), (len(scheme.sigma) - 1, -1.0)):
         if node not in scheme.collocated:
             matrix.append(scheme.L[:, [node]])
-            target.append(sign * costate[:, [node]])
-    rows = list(scheme.rows)
-    mu = np.hstack(target) @ np.linalg.pinv(np.hstack(matrix)[rows])
-    wanted = [family.row] if isinstance(family.row, int) else family.row
-    return mu[:, [rows.index(r) for r in wanted]].ravel()
+            target.append(sign * lambdas[..., [node]])
+    return np.concatenate(target, axis=-1) @ np.linalg.pinv(np.hstack(matrix)[list(scheme.rows)])
 
 
 def _bounds(layout: Layout, before: Layout, new: np.ndarray, values: np.ndarray) -> None:
