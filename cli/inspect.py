@@ -67,6 +67,12 @@ def methods() -> None:
 
     rows = [(m.name, m.family, m.order, m.ends, m.state, m.control, m.source) for m in METHODS.values()]
     print_table(("method", "family", "order", "ends", "state", "control", "source"), rows)
+    print(
+        "\nn: the degree. order: of states at the knots and of integrals. state, control: degrees of the interpolants."
+    )
+    for method in METHODS.values():
+        if method.note:
+            print(f"{method.name}: {method.note}")
 
 
 @command

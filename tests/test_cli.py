@@ -11,6 +11,7 @@ import pytest
 from command_line import trajopt
 
 from trajopt.problems.catalog import shipped
+from trajopt.transcription.schemes import METHODS
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -46,8 +47,10 @@ def test_list():
 
 
 def test_methods():
-    lines = trajopt("methods").stdout.splitlines()
-    assert {"trapezoid", "hermite-simpson"} <= {line.split()[0] for line in lines[1:]}
+    table, notes = trajopt("methods").stdout.split("\n\n")
+    assert [line.split()[0] for line in table.splitlines()[1:]] == list(METHODS)
+    noted = [line.split(":")[0] for line in notes.splitlines()[1:]]
+    assert noted == [name for name, method in METHODS.items() if method.note]
 
 
 def test_schema_is_json_schema():

@@ -30,7 +30,8 @@ class Method:
     """A row of the table. nodes: degree -> collocation nodes, for a family; scheme: for a method of one degree; table:
     of a shooting method.
 
-    ends: which ends of a segment are collocated. order: in words, n being the degree.
+    ends: which ends of a segment are collocated. order: of the states at the knots and of integrals, in words, n being
+    the degree. note: what else to know about it.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Method:
     nodes: Callable[[int], np.ndarray] | None = None
     scheme: Scheme | FiniteDifference | None = None
     table: Table | None = None
+    note: str = ""
 
     @property
     def state(self) -> str:
@@ -241,9 +243,13 @@ METHODS = {
         Method("gauss", "Legendre-Gauss", "none", "2n", _LEGENDRE, nodes=gauss),
         Method("radau", "Legendre-Gauss-Radau", "right", "2n - 1", _LEGENDRE, nodes=radau),
         Method("radau-left", "Legendre-Gauss-Radau", "left", "2n - 1", _LEGENDRE, nodes=radau_left),
-        Method("lobatto", "Legendre-Gauss-Lobatto", "both", "2n", _LEGENDRE, nodes=lobatto),
+        Method("lobatto", "Legendre-Gauss-Lobatto", "both", "2n", _LEGENDRE, nodes=lobatto,
+               note="neighbours share the control at their knot: where it is optimal, states and costates have at most "
+               "order 4 at the knots, and the objective 2n"),
         Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1 or n + 2",
-               "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev),
+               "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev,
+               note="its order holds for given controls; optimal ones have order 2 (n odd) or 4 (n even), as its "
+               "costates obey a scheme of lower order (Hager, Numerische Mathematik 87, 2000); raise n instead"),
         *map(_simulated, TABLES),
         _fixed(FINITE_DIFFERENCE, "both"),
     )
