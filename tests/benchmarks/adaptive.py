@@ -20,7 +20,7 @@ from trajopt.transcription.solve import solve
 
 TOLERANCE = 1e-8
 PAIRS = [  # a first mesh to refine, and the method and degree of the equal mesh
-    (Step("hermite-simpson", 40, 1e-9), Step("hermite-simpson", 0, 1e-9)),
+    (Step("hermite-simpson", 20, 1e-9), Step("hermite-simpson", 0, 1e-9)),
     (Step("radau", 20, 1e-9, 6), Step("radau", 0, 1e-9, 4)),
     (Step("radau", 20, 1e-9, 6), Step("radau", 0, 1e-9, 6)),
     (Step("radau", 20, 1e-9, 6), Step("hermite-simpson", 0, 1e-9)),
