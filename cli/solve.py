@@ -8,15 +8,16 @@ import os
 import shlex
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..problems.errors import Mistake, SpecError
+from ..problems.errors import FileError, Mistake, SpecError
 from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, native_output, one_line
 
 if TYPE_CHECKING:
@@ -135,7 +136,6 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
 
 def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
     """Solve and write the result."""
-    from ..results.store import write
     from ..transcription.settings import settings_of, steps
     from ..transcription.solve import solve as run
     from .progress import live_line, print_iteration
@@ -144,9 +144,22 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
         solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
-    command = shlex.join(["trajopt", *sys.argv[1:]])
-    write(job.target, solution, spec.text, spec.model_dump_json(), command, spec.overrides)
+    _keep(job, solution)
     return solution
+
+
+def _keep(job: _Job, solution: Solution) -> None:
+    """Write the result; if its place has gone since the start, elsewhere, since a solve can take hours."""
+    from ..results.store import write
+
+    told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.spec.overrides
+    try:
+        write(job.target, solution, *told)
+    except FileError as error:
+        rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / job.target.name
+        write(rescued, solution, *told)
+        (mistake,) = error.mistakes
+        raise FileError(replace(mistake, remedy=f"the result is in {rescued}, move it from there")) from error
 
 
 def _tell(job: _Job, as_json: bool, quiet: bool) -> None:

@@ -8,7 +8,8 @@ Optimality    With lambda the costate and nu, kappa the multiplier functions of 
 
               has dL/du = 0 where u is inside its bounds, points into the bound where it is on one, and H = w + lambda f
               changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on
-              t.
+              t. Without path constraints, d2H/du2 has no negative eigenvalue for the controls inside their bounds
+              (Legendre's condition): a point that is stationary but no minimum, a maximum even, fails here.
 Constraints   Bounds and path constraints, on a grid between the collocation points; less strictly within a jump of a
               control, where no mesh makes them hold.
 Reference     The objective beside the problem file's own reference, unless the command line changed the problem.
@@ -33,6 +34,7 @@ from .reload import Reloaded, reload
 
 RTOL, ATOL = 1e-10, 1e-12
 COMPLEX_STEP = 1e-30
+SECOND_STEP = 1e-5  # relative to 1 + the size of a control, of central differences of complex-step derivatives
 KINDS = {"path": "path", "residual": "residuals", "integral": "integral"}  # of constraints -> attribute of Phase
 
 
@@ -191,6 +193,8 @@ def _optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Che
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
         name = f"stationarity dH/d{variable.name}, relative"
         yield Check(name, float(residual[k]), tolerance, _at(t[k]))
+    if hamiltonian.phase.inputs and not hamiltonian.constraints:
+        yield _legendre(hamiltonian, values, t, tolerance)
 
 
 def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
@@ -204,6 +208,25 @@ def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, t
     return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, _at(t[k]))
 
 
+def _legendre(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
+    """The smallest eigenvalue of d2H/du2, over controls inside their bounds, if negative; relative to the largest."""
+    inputs = hamiltonian.phase.inputs
+    hessian, inside = np.zeros((len(t), len(inputs), len(inputs))), np.ones((len(t), len(inputs)))
+    for j, variable in enumerate(inputs):
+        u = values[variable.name]
+        step = SECOND_STEP * (1 + np.abs(u).max())
+        sides = [{**values, variable.name: u + side * step} for side in (1, -1)]
+        for i, other in enumerate(inputs):
+            up, down = (hamiltonian.derivative(hamiltonian.hamiltonian, side, other.name) for side in sides)
+            hessian[:, i, j] = (up - down) / (2 * step)
+        inside[:, j] = (u - variable.bounds.lower > step) & (variable.bounds.upper - u > step)
+    scale = float(np.abs(hessian).max()) or 1.0
+    hessian *= inside[:, :, None] * inside[:, None, :] / scale
+    lowest = np.linalg.eigvalsh((hessian + hessian.transpose(0, 2, 1)) / 2).min(axis=1)
+    k = int(np.argmin(lowest))
+    return Check("d2H/du2 without negative eigenvalues, relative", max(0.0, -float(lowest[k])), tolerance, _at(t[k]))
+
+
 def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.ndarray:
     """How far u is from stationary: the way a step against the relative gradient goes before a bound ends it.
 
@@ -211,7 +234,7 @@ def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.
     method leaves u, the smaller of |dL/du| and the distance from the bound relative to the range of u.
     """
     width = bounds.upper - bounds.lower
-    width = width if np.isfinite(width) else max(float(np.ptp(u)), 1.0)
+    width = width if 0 < width < np.inf else max(float(np.ptp(u)), 1.0)
     room = np.where(gradient > 0, u - bounds.lower, bounds.upper - u) / width
     return np.minimum(np.abs(gradient), np.maximum(room, 0.0))
 

@@ -141,3 +141,19 @@ def test_verbose_tells_of_iterations_and_of_nothing_else():
     row = r"mesh \d+| iter  objective .*| +\d+ ( +[\d.e+-]+){4}"
     assert all(re.fullmatch(row, line) for line in run.stderr.splitlines()), run.stderr[:500]
     assert run.stderr.count("mesh") == 2  # a large mesh starts from a coarse one
+
+
+def test_a_result_whose_folder_has_gone_is_kept_elsewhere(folder):
+    (folder / "away").mkdir()
+    arguments = ["solve", "cartpole", "-o", "away/a.h5", "-v", "--segments", "3000"]
+    with subprocess.Popen([*TRAJOPT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        assert run.stderr.readline() == "mesh 1\n"
+        (folder / "away").rmdir()
+        errors = run.communicate(timeout=60)[1]
+    assert run.returncode == 3
+    rescued = re.search(r"error: away/a.h5: it cannot be written .*; the result is in (.*), move it from there", errors)
+    kept = Path(rescued[1])
+    with h5py.File(kept) as file:
+        assert file.attrs["solved"]
+    kept.unlink()
+    kept.parent.rmdir()

@@ -8,9 +8,10 @@ from exact import growth, growth_state
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
+from trajopt.problems.problem import Range
 from trajopt.results.reload import reload
 from trajopt.results.store import write
-from trajopt.results.verify import simulate, verify
+from trajopt.results.verify import _natural_residual, simulate, verify
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
 
@@ -155,3 +156,34 @@ def test_a_reference_of_another_mesh_is_not_compared(tmp_path):
     solution = solve(build_all(spec), steps(spec.mesh))
     write(path, solution, spec.text, spec.model_dump_json(), "test", spec.overrides)
     assert "objective, difference from the reference" not in by_name(verify(path))
+
+
+STATIONARY = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0}}
+controls: {u: {lower: -1, upper: 1}, v: {}}
+objective: {minimize: {integral: SIGN*u**2 + v**2 + u*v}}
+"""
+
+
+@pytest.mark.parametrize(("sign", "passed"), [("", True), ("-", False)])
+def test_a_maximum_is_no_minimum(tmp_path, sign, passed):
+    """u = v = 0 is stationary for both signs; d2H/du2 is [[2, 1], [1, 2]], or [[-2, 1], [1, 2]]."""
+    (tmp_path / "a.yaml").write_text(STATIONARY.replace("SIGN*", sign))
+    spec = load(tmp_path / "a.yaml")
+    solution = solve(build_all(spec), [Step("gauss", 4, 1e-8, 2)])
+    write(tmp_path / "a.h5", solution, spec.text, spec.model_dump_json(), "test")
+    checks = by_name(verify(tmp_path / "a.h5"))
+    check = checks.pop("d2H/du2 without negative eigenvalues, relative")
+    assert check.passed is passed
+    assert check.value == pytest.approx(0 if passed else np.sqrt(5) / 2, rel=1e-6)
+    assert all(other.passed for other in checks.values())
+
+
+def test_a_control_next_to_its_bound_is_judged_by_the_smaller_of_gradient_and_room():
+    gradient = np.array([0.5, 0.5, -0.5, 1e-3, 0.5])
+    u = np.array([-1 + 2e-4, 1.0, 1 - 2e-4, 0.0, 0.0])
+    assert _natural_residual(gradient, u, Range(-1, 1)) == pytest.approx([1e-4, 0.5, 1e-4, 1e-3, 0.5])
+    assert _natural_residual(gradient, u, Range()) == pytest.approx(np.abs(gradient))
+    assert _natural_residual(gradient, np.zeros(5), Range(0, 0)) == pytest.approx(0)

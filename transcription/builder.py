@@ -90,6 +90,7 @@ class PhaseBuilder:
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
         self.owners: dict[int, np.ndarray] = {}
+        self.explicit_set: Any = None
 
     def stored(self) -> tuple[list[str], np.ndarray]:
         """The states that are variables, and the points at which they are."""

@@ -51,9 +51,13 @@ class Violation:
         return f"{_what(self.phase, self.kind, self.name)}{when} missed by {self.amount:.2e}"
 
 
+NEVER_RAN = (Status.INVALID_OPTION, Status.INVALID_PROBLEM, Status.NO_MEMORY)
+"""What the guess violates is no reason for these."""
+
+
 def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
     """The constraints that the last iterate violates, worst first, and what explains the failure, or ""."""
-    if outcome.status in (Status.SOLVED, Status.FEASIBLE):
+    if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), ""
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
         return (), explain_non_finite(transcription, outcome.failed)

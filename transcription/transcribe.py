@@ -34,7 +34,7 @@ class Layout:
     """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown.
 
     owners: id of a Set of the model whose elements belong to segments each -> the segment of each element.
-    explicit: id of the Set of the points at which states are variables and the dynamics are collocated.
+    explicit: id of the Set of the points at which states are variables and the dynamics are collocated, or of None.
     """
 
     phase: Phase
@@ -144,7 +144,7 @@ def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Tran
             for i, (component, name) in enumerate(builder.inputs):
                 u[i, k] = place(component, (name, k))
         t = np.array([place(block.t0), place(block.tF)])
-        phases.append(Layout(phase, mesh, x, u, t, builder.owners, id(getattr(builder, "explicit_set", None))))
+        phases.append(Layout(phase, mesh, x, u, t, builder.owners, id(builder.explicit_set)))
     parameters = np.array([place(model.p, p.name) for p in problem.parameters], int)
     families = tuple(family for builder in builders for family in builder.families)
     return Transcription(problem, model, tuple(variables), tuple(phases), parameters, families)
