@@ -40,7 +40,7 @@ def export(
     Example: trajopt export cartpole cartpole.nl --segments 10
 
     The suffix of OUT chooses the format: .nl (AMPL, with the names in .row and .col), .gms (GAMS) or .tex (LaTeX). The
-    program is that of the last mesh.
+    program is that of the last mesh of the schedule, before any refinement.
     """
     (spec,) = load_all([file], overrides(set_, method, segments, None, None))
 

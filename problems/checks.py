@@ -54,6 +54,7 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     checker.errors += structure.check(spec, checker.symbols, checker.numbers)
     if not checker.errors:
         checker.objective()
+        checker.constant_constraints()
         checker.unused()
         checker.warnings += structure.warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
@@ -265,6 +266,13 @@ class _Checker:
             sense = "minimize" if spec.objective.minimize else "maximize"
             what = "the objective is a constant: everything in it is fixed"
             self.error(("objective", sense), what, "let it depend on a control, a free state, or a free time")
+
+    def constant_constraints(self) -> None:
+        """A constraint over time or at the ends depends on something that is not a constant."""
+        for path, constraint in constraints(self.spec):
+            if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
+                what = "the constraint is on a constant"
+                self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
 
     def unused(self) -> None:
         """Names that are declared and then play no part."""

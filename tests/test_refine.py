@@ -1,5 +1,7 @@
 """Refinement: meets its tolerance where it can, says where it cannot, and puts the points where they are needed."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from exact import GROWTH_OBJECTIVE, growth, growth_state
@@ -199,3 +201,11 @@ refine: {tolerance: 0.1}
     dense = trajectory.dense
     inside = 0.5 - np.hypot(*dense.x)
     assert inside.max() / 1.5 == pytest.approx(excess.max(), rel=1e-12)
+
+
+def test_finite_differences_stay_on_equal_segments():
+    solution = run("pendulum", "mesh.-1.segments=50", "refine.tolerance=1e-6", "refine.max_meshes=4")
+    meshes = [record.mesh for record in solution.meshes]
+    assert solution.solved and len(meshes) > 1
+    assert all(fine.segments == 2 * coarse.segments for coarse, fine in pairwise(meshes))
+    assert np.ptp(meshes[-1].widths) < 1e-12

@@ -27,7 +27,7 @@ import numpy as np
 
 from .error import ErrorProfile
 from .mesh import Mesh
-from .scheme import Scheme
+from .scheme import FiniteDifference, Scheme
 from .schemes import MAX_DEGREE, METHODS
 from .switches import Switches
 from .trajectory import Trajectory
@@ -60,6 +60,9 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     segments = _Segments(trajectory, error, tolerance)
     if not len(segments.bad):
         return Refinement(trajectory.mesh, ())
+    told = tuple(map(segments.told, segments.bad))
+    if isinstance(scheme := trajectory.mesh.schemes[0], FiniteDifference):  # it needs equal segments
+        return Refinement(Mesh.of(scheme, 2 * trajectory.mesh.segments), told)
     near = segments.share > MARGIN
     pieces = [
         segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
@@ -69,7 +72,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
         pieces = _merged(pieces, segments.needless)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
-    return Refinement(Mesh(schemes, widths), tuple(map(segments.told, segments.bad)))
+    return Refinement(Mesh(schemes, widths), told)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,25 @@ from .case import edit, raw
 
 TERMS = '{integral: u**2, terminal: "x[final]*v[final] + c**2"}'
 
+CONSTANT = """trajopt: 1
+time: {initial: 0, final: 1}
+parameters: {m: 1}
+states: {x: {rate: u, initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+constraints: {KIND: [{expression: 2*m, lower: 0.5}]}
+"""
+
 KEYS = [
+    *(
+        raw(
+            f"a {kind} constraint on a constant",
+            CONSTANT.replace("KIND", kind),
+            ":7: ",
+            "the constraint is on a constant",
+        )
+        for kind in ("path", "boundary")
+    ),
     raw("only a version", "trajopt: 1\n", ":1: time", "time is missing"),
     edit("no version", "trajopt: 1\n", "", "trajopt", "add trajopt: version of the file format: 1"),
     edit("another version", "trajopt: 1", "trajopt: 2", "trajopt", "write trajopt: 1"),
