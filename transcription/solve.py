@@ -30,7 +30,7 @@ from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
 """Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
-methods and 1000 points, 0.55 of the time of a start from the guess; up to 6 times less where that takes long."""
+methods and 1000 points, 0.58 of the time of a start from the guess on geometric average, 0.06 to 2.2 of it."""
 
 
 @dataclass(frozen=True)
