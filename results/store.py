@@ -167,8 +167,13 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     _array(
         errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
     )
-    excess = np.max([*error.excess.values(), np.zeros(trajectory.mesh.segments)], axis=0)
-    _array(errors, "excess", excess, [segment], "largest excess of bounds and path constraints over 1 + bound")
+    _array(
+        errors,
+        "excess",
+        error.largest_excess,
+        [segment],
+        "largest excess of bounds and path constraints over 1 + bound",
+    )
 
 
 def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:

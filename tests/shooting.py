@@ -3,11 +3,8 @@
 from functools import cache
 
 import pytest
+from named import problem_named
 
-from trajopt.problems.build import build
-from trajopt.problems.catalog import shipped
-from trajopt.problems.load import load
-from trajopt.problems.problem import Problem
 from trajopt.transcription.runge_kutta import TABLES
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
@@ -16,12 +13,8 @@ SCHEMES = [(table.name, control) for table in TABLES for control in table.contro
 SCHEME = pytest.mark.parametrize(("method", "control"), SCHEMES)
 
 
-def named(name: str) -> Problem:
-    return build(load(shipped()[name]))
-
-
 @cache
 def solved(name: str, method: str, segments: int, substeps: int, control: str | None = None):
-    solution = solve(named(name), [Step(method, segments, 1e-9, substeps=substeps, control=control)])
+    solution = solve(problem_named(name), [Step(method, segments, 1e-9, substeps=substeps, control=control)])
     assert solution.solved, solution.status
     return solution

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from named import problem_named
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
@@ -13,10 +14,6 @@ from trajopt.transcription.settings import Settings, Step, settings_of
 from trajopt.transcription.solve import COARSE, LARGE, solve
 
 BIG = Step("trapezoid", 500, 1e-8)
-
-
-def problem_named(name: str):
-    return build(load(shipped()[name]))
 
 
 @pytest.mark.parametrize("name", ["cartpole", "brachistochrone", "van_der_pol", "shot_put"])

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from exact import growth
-from shooting import SCHEMES, named, solved
+from named import problem_named
+from shooting import SCHEMES, solved
 
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
@@ -56,7 +57,9 @@ def test_piecewise_constant_controls_are_those_of_the_block():
 def test_cart_pole_by_single_and_multiple_shooting():
     multiple = solved("cartpole", "runge-kutta-4", 10, 5)
     # From the straight line single shooting finds another, better, local optimum (J = 57.945): start it from this one.
-    single = solve(named("cartpole"), [Step("runge-kutta-4", 1, 1e-9, substeps=50)], guess=multiple.trajectories)
+    single = solve(
+        problem_named("cartpole"), [Step("runge-kutta-4", 1, 1e-9, substeps=50)], guess=multiple.trajectories
+    )
     assert single.solved
     same(single, multiple, 1e-6)
 
@@ -66,7 +69,7 @@ def test_cart_pole_converges_to_what_collocation_finds():
     assert errors[0] > 4 * errors[1] > 100 * errors[2]
     assert errors[2] < 5e-6
     start = solved("cartpole", "runge-kutta-4", 40, 10).trajectories
-    other = solve(named("cartpole"), [Step("dormand-prince", 40, 1e-9, substeps=5)], guess=start)
+    other = solve(problem_named("cartpole"), [Step("dormand-prince", 40, 1e-9, substeps=5)], guess=start)
     assert other.objective == pytest.approx(58.807667, abs=2e-6)
 
 
@@ -76,7 +79,7 @@ def test_cart_pole_converges_to_what_collocation_finds():
 @pytest.mark.parametrize("method", ["runge-kutta-4", "dormand-prince"])
 def test_shipped_problems_as_by_collocation(name, method):
     """Free final times, static parameters, bounds on simulated states."""
-    other = solve(named(name), [Step("hermite-simpson", 40, 1e-9)])
+    other = solve(problem_named(name), [Step("hermite-simpson", 40, 1e-9)])
     assert solved(name, method, 10, 4).objective == pytest.approx(other.objective, rel=3e-4)
 
 
@@ -122,7 +125,7 @@ def test_both_sides_of_a_knot_give_the_same_costate():
 
 def test_costates_agree_with_those_of_collocation():
     (one,) = solved("cartpole", "dormand-prince", 20, 5).trajectories
-    (other,) = solve(named("cartpole"), [Step("hermite-simpson", 100, 1e-9)]).trajectories
+    (other,) = solve(problem_named("cartpole"), [Step("hermite-simpson", 100, 1e-9)]).trajectories
     s = np.linspace(0, 1, 50)
     size = np.abs(other.at(s).costate).max(axis=1, keepdims=True)
     assert np.abs(one.at(s).costate - other.at(s).costate).max() < 2e-3 * size.max()
@@ -131,7 +134,7 @@ def test_costates_agree_with_those_of_collocation():
 def test_meshes_follow_each_other_and_are_refined():
     schedule = [Step("runge-kutta-4", 5, 1e-8, substeps=4), Step("hermite-simpson", 20, 1e-8),
                 Step("runge-kutta-4", 10, 1e-8, substeps=4)]  # fmt: skip
-    solution = solve(named("pendulum"), schedule, Settings(refine=Refine(1e-7, 4)))
+    solution = solve(problem_named("pendulum"), schedule, Settings(refine=Refine(1e-7, 4)))
     assert solution.solved and not solution.unmet
     assert len(solution.meshes) > 3
     assert solution.meshes[-1].mesh.segments > 10
@@ -148,8 +151,8 @@ def test_meshes_follow_each_other_and_are_refined():
 )
 def test_warm_start_takes_fewer_iterations_than_cold(name, before, after):
     coarse, fine = (Step(method, segments, 1e-8, substeps=substeps) for method, segments, substeps in (before, after))
-    warm = solve(named(name), [coarse, fine])
-    cold = solve(named(name), [fine], guess=solve(named(name), [coarse]).trajectories)
+    warm = solve(problem_named(name), [coarse, fine])
+    cold = solve(problem_named(name), [fine], guess=solve(problem_named(name), [coarse]).trajectories)
     assert warm.solved and cold.solved
     assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
     assert warm.meshes[1].iterations < cold.meshes[0].iterations
@@ -213,11 +216,11 @@ def test_what_a_method_does_not_have(method, how, says):
 
 def test_what_cannot_be_transcribed(tmp_path):
     with pytest.raises(SpecError, match="use more segments"):
-        transcribe(named("cartpole"), [Mesh.of(find("dormand-prince", substeps=1000), 50)])
+        transcribe(problem_named("cartpole"), [Mesh.of(find("dormand-prince", substeps=1000), 50)])
     with pytest.raises(SpecError, match="cannot follow algebraic variables"):
-        transcribe(named("biped"), [Mesh.of(find("runge-kutta-4", control="constant"), 5)])
+        transcribe(problem_named("biped"), [Mesh.of(find("runge-kutta-4", control="constant"), 5)])
     with pytest.raises(SpecError, match="export with another method"):
-        export(named("cartpole"), [Mesh.of(find("runge-kutta-4"), 5)], tmp_path / "model.nl")
+        export(problem_named("cartpole"), [Mesh.of(find("runge-kutta-4"), 5)], tmp_path / "model.nl")
 
 
 @pytest.mark.parametrize("control", CONTROLS)

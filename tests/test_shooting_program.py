@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 from exact import growth, integration
-from shooting import named
+from named import problem_named
 
 from trajopt.problems.problem import Constraint, Problem, Range
 from trajopt.transcription.family import NotFinite
@@ -17,7 +17,7 @@ from trajopt.transcription.transcribe import compiled, transcribe
 
 def two_phases() -> Problem:
     """Two phases with different times, a parameter, and every kind of constraint; maximised."""
-    (first,), (second,) = named("brachistochrone").phases, growth().phases
+    (first,), (second,) = problem_named("brachistochrone").phases, growth().phases
     integral = Constraint("effort", lambda v, m: v["u"] ** 2 * m.exp(v["t"]), Range(upper=3.0))
     path = Constraint("speed", lambda v, m: v["u"] * v["x"] + v["t"] ** 2, Range(-9.0, 9.0))
     ends = Constraint("ends", lambda v, m: v["x[final]"] * v["u[initial]"] + v["u[final]"] ** 2, Range(-5.0, 5.0))
@@ -27,7 +27,7 @@ def two_phases() -> Problem:
 
 
 DERIVATIVES = {
-    name: (lambda name=name: named(name))
+    name: (lambda name=name: problem_named(name))
     for name in ("cartpole", "cartpole_min_time", "bryson_denham", "shot_put", "brachistochrone", "block_move_min_work")
 } | {"two phases": two_phases, "integration": integration}
 
@@ -49,7 +49,7 @@ def test_derivatives_are_exact(name, method, substeps, control):
 
 
 def test_a_segment_does_not_depend_on_controls_to_come():
-    transcription = transcribe(named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=3), 2)])
+    transcription = transcribe(problem_named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=3), 2)])
     nlp, (layout,) = compiled(transcription), transcription.phases
     limit = next(f for f in transcription.families if f.kind in ("path", "bound"))
     rows, columns = nlp.jacobianstructure()
@@ -61,18 +61,18 @@ def test_a_segment_does_not_depend_on_controls_to_come():
 @pytest.mark.parametrize(("control", "nodes"), [("constant", 1), ("linear", 1), ("quadratic", 2)])
 def test_number_of_unknowns(control, nodes):
     step = Step("runge-kutta-4", 10, 1e-8, substeps=5, control=control)
-    (mesh,) = transcribe(named("cartpole"), [step.mesh()]).phases
-    unknowns = len(transcribe(named("cartpole"), [step.mesh()]).variables)
+    (mesh,) = transcribe(problem_named("cartpole"), [step.mesh()]).phases
+    unknowns = len(transcribe(problem_named("cartpole"), [step.mesh()]).variables)
     assert (mesh.x >= 0).sum() == 4 * 11  # states at the ends of the segments only
     assert unknowns == 4 * 11 + nodes * 50 + (control != "constant")
     assert (
-        len(transcribe(named("brachistochrone"), [step.mesh()]).variables)
+        len(transcribe(problem_named("brachistochrone"), [step.mesh()]).variables)
         == 3 * 11 + nodes * 50 + (control != "constant") + 1
     )
 
 
 def test_rows_are_told_by_name():
-    transcription = transcribe(named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=2), 3)])
+    transcription = transcribe(problem_named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=2), 3)])
     nlp = compiled(transcription)
     for family in transcription.families:
         rows = family.rows(nlp)
@@ -81,7 +81,7 @@ def test_rows_are_told_by_name():
 
 
 def test_what_is_not_finite_is_told_by_segment():
-    transcription = transcribe(named("hyper_sensitive"), [Mesh.of(find("runge-kutta-4", substeps=3), 3)])
+    transcription = transcribe(problem_named("hyper_sensitive"), [Mesh.of(find("runge-kutta-4", substeps=3), 3)])
     nlp = compiled(transcription)  # steps of 1000 s blow up
     z = np.full(nlp.n, 1.5)
     with pytest.raises(NotFinite, match="simulation of segment 1"):

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from exact import growth
+from named import problem_named
 
-from trajopt.problems.build import build
-from trajopt.problems.catalog import shipped
-from trajopt.problems.load import load
 from trajopt.transcription.refine import STANDS_OUT, refine
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
@@ -14,7 +12,7 @@ from trajopt.transcription.switches import Switches
 
 
 def solved(name: str, method: str, segments: int, *overrides: str):
-    solution = solve(build(load(shipped()[name], overrides)), [Step(method, segments, 1e-8)])
+    solution = solve(problem_named(name, *overrides), [Step(method, segments, 1e-8)])
     assert solution.solved
     return solution
 

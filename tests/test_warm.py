@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
+from named import problem_named
 
-from trajopt.problems.build import build
-from trajopt.problems.catalog import shipped
-from trajopt.problems.load import load
 from trajopt.transcription.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
@@ -14,10 +12,6 @@ from trajopt.transcription.warm import Solved, warm_start
 
 PROBLEMS = ("cartpole", "van_der_pol", "bryson_denham", "block_move_min_force", "brachistochrone", "shot_put")
 METHODS = ("hermite-simpson", "trapezoid", "hermite-simpson-compressed")
-
-
-def problem_named(name: str):
-    return build(load(shipped()[name]))
 
 
 @pytest.mark.parametrize("method", METHODS)

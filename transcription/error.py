@@ -45,6 +45,11 @@ class ErrorProfile:
     excess: Mapping[str, np.ndarray]
 
     @property
+    def largest_excess(self) -> np.ndarray:
+        """Of anything that has bounds, on each segment, shape (N,)."""
+        return np.max([*self.excess.values(), np.zeros(len(self.relative))], axis=0)
+
+    @property
     def max_eta(self) -> float:
         return float(self.eta.max())
 

@@ -86,7 +86,7 @@ class _Segments:
     @cached_property
     def excess(self) -> np.ndarray:
         """The largest excess of anything bounded, shape (N,)."""
-        return np.max([*self.error.excess.values(), np.zeros(self.trajectory.mesh.segments)], axis=0)
+        return self.error.largest_excess
 
     @cached_property
     def share(self) -> np.ndarray:
