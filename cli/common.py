@@ -16,6 +16,8 @@ import typer
 from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
+ENDLESS = 100_000  # letters: the width of what is no terminal
+WORDS = 12  # letters that a column of words can do with
 
 
 SHORT_FORMS = {
@@ -118,6 +120,15 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     return specs
 
 
+@contextmanager
+def located(spec) -> Iterator[None]:
+    """Mistakes that only the solution of a problem finds, at their place in its file."""
+    try:
+        yield
+    except SpecError as error:
+        raise SpecError(spec.locate(error.mistakes)) from error
+
+
 def _check_meshes(schedule) -> list[Mistake]:
     """What only the methods know: the degrees, forms, substeps and controls they have."""
     from ..transcription.schemes import find
@@ -152,25 +163,29 @@ def _check_options(engine: str, options: Mapping) -> list[Mistake]:
 
 
 def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A plain table on standard output, one line for each row; the columns named in `right` hold numbers.
+    """A table on standard output; the columns named in `right` hold numbers.
 
-    A text in the last column is cut at the edge of a terminal; where there is none it is whole, for grep and awk.
+    On a terminal that is wide enough, texts of several words go on below themselves. Elsewhere a row is one line, whole
+    and plain, for grep and awk.
     """
-    cells = [columns, *([one_line(cell) for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = [
-        "  ".join(
-            cell.rjust(width) if column in right else cell.ljust(width)
-            for column, cell, width in zip(columns, row, widths, strict=True)
-        ).rstrip()
-        for row in cells
-    ]
-    if sys.stdout.isatty() and columns[-1] not in right:
-        width = _width()
-        lines = [line if len(line) <= width else f"{line[: width - 3]}..." for line in lines]
-    typer.secho(lines[0], bold=True)
-    for line in lines[1:]:
-        print(line)
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console(force_terminal=sys.stdout.isatty())
+    table, needed = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style=""), 0
+    for column, *cells in zip(columns, *rows, strict=True):
+        words = any(" " in cell for cell in (column, *cells))
+        needed += WORDS if words else 2 + max(map(len, (column, *cells)))
+        side = "right" if column in right else "left"
+        table.add_column(Text.assemble((one_line(column), "bold")), justify=side, no_wrap=not words, overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(one_line(cell)) for cell in row))
+    if not console.is_terminal or needed > console.width:
+        console.width = ENDLESS
+    with console.capture() as drawn:
+        console.print(table)
+    print("\n".join(line.rstrip() for line in drawn.get().rstrip("\n").split("\n")))
 
 
 def print_field(name: str, text: str) -> None:

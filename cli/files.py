@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .common import command, load_all, one_line, plural
+from .common import command, load_all, located, one_line, plural
 from .solve import Files, Force, Method, Segments, Set, overrides
 
 
@@ -49,7 +49,9 @@ def export(
     from ..transcription.settings import steps
 
     problem = build(spec)
-    for path in write(problem, [steps(spec.mesh)[-1].mesh()] * len(problem.phases), output, force):
+    with located(spec):
+        paths = write(problem, [steps(spec.mesh)[-1].mesh()] * len(problem.phases), output, force)
+    for path in paths:
         print(path)
 
 

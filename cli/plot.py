@@ -89,7 +89,8 @@ def _ending(kind: str) -> str:
 
 
 def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) -> Figure:
-    from ..results.plots import error_figure, mesh_figure, trajectory_figure
+    from ..results.mesh_plots import mesh_figure
+    from ..results.plots import error_figure, trajectory_figure
 
     if kind == "trajectory":
         return trajectory_figure(result, {} if no_bounds else _bounds(result), names)

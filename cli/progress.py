@@ -3,53 +3,53 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..problems.syntax import shorten
 from .common import one_line
 
-SECONDS_BETWEEN = 0.1  # often enough to look alive, too seldom to cost anything
 NAME_WIDTH = 20
 
 
 @contextmanager
-def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
-    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown.
+def live_text(text: str) -> Iterator[Callable[[str], None] | None]:
+    """Show a text on one line of a terminal; gives a function that changes it, or None where nothing is shown.
 
     The line is gone when the block ends.
     """
-    if not (wanted and sys.stderr.isatty() and os.environ.get("TERM", "dumb") != "dumb"):
+    if not sys.stderr.isatty() or os.environ.get("TERM", "dumb") == "dumb":
         yield None
         return
-    line = _Line(shorten(one_line(name), NAME_WIDTH))
-    line.write(f"{line.name}: building")
-    try:
-        yield line.show
-    finally:
-        line.write("")
+    from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
+
+    def line(text: str) -> Text:
+        return Text(text, no_wrap=True, overflow="ellipsis")
+
+    console = Console(stderr=True)
+    with Live(line(text), console=console, transient=True, redirect_stdout=False, redirect_stderr=False) as live:
+        yield lambda text: live.update(line(text))
 
 
-class _Line:
-    """The last line of a terminal, written over and over."""
+@contextmanager
+def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
+    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown."""
+    if not wanted:
+        yield None
+        return
+    name = shorten(one_line(name), NAME_WIDTH)
+    with live_text(f"{name}: building") as show:
+        yield show and (lambda mesh, record: show(f"{name}: {_state(mesh, record)}"))
 
-    def __init__(self, name: str):
-        self.name, self.written = name, 0.0
 
-    def show(self, mesh: int, record: dict) -> None:
-        if time.monotonic() - self.written >= SECONDS_BETWEEN:
-            self.write(
-                f"{self.name}: mesh {mesh + 1}, iteration {record['iteration']}, "
-                f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.0e}"
-            )
-
-    def write(self, text: str) -> None:
-        self.written = time.monotonic()
-        sys.stderr.write(f"\r{text[: shutil.get_terminal_size().columns - 1]}\x1b[K")
-        sys.stderr.flush()
+def _state(mesh: int, record: dict) -> str:
+    return (
+        f"mesh {mesh + 1}, iteration {record['iteration']}, "
+        f"J = {record['objective']:.6g}, infeasibility {record['primal_infeasibility']:.0e}"
+    )
 
 
 def print_iteration(mesh: int, record: dict) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .common import INTERRUPTED, NOT_SOLVED, command, native_output, one_line, plural, print_table
+from .progress import live_text
 
 if TYPE_CHECKING:
     from ..results.reproduce import Chapter
@@ -45,13 +46,13 @@ def reproduce(
     from ..results.reproduce import reproduce as run
 
     try:
-        with native_output(2):
+        with native_output(2), live_text("reproducing") as show:
             chapters = run(
-                examples, output, every=check, figures=not no_figures, progress=_progress(),
+                examples, output, every=check, figures=not no_figures, progress=show or (lambda text: None),
                 command=shlex.join(["trajopt", *sys.argv[1:]]),
             )  # fmt: skip
     except KeyboardInterrupt:
-        print(f"\ninterrupted; {output} holds what was done until then", file=sys.stderr)
+        print(f"interrupted; {output} holds what was done until then", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
     if json_:
         print(json.dumps(_summary(chapters, output)))
@@ -60,17 +61,6 @@ def reproduce(
         print(output / INDEX)
     if not all(chapter.passed for chapter in chapters):
         raise typer.Exit(NOT_SOLVED)
-
-
-def _progress() -> Callable[[str], None]:
-    """One line on a terminal, written over and over; nothing elsewhere."""
-    if not sys.stderr.isatty():
-        return lambda text: None
-
-    def show(text: str) -> None:
-        print(f"\r\x1b[K{text[:70]}", end="\r", file=sys.stderr, flush=True)
-
-    return show
 
 
 def _print(chapters: Sequence[Chapter]) -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
-from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, native_output, one_line
+from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, located, native_output, one_line
 
 if TYPE_CHECKING:
     from ..problems.problem import Guess, Problem
@@ -31,12 +31,10 @@ Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Res
 Set = Annotated[list[str], typer.Option("--set", metavar="PATH=VALUE", help="Override a field of the problem file.")]
 Method = Annotated[str, typer.Option("--method", metavar="METHOD", help="Collocation method, on every mesh.")]
 Segments = Annotated[
-    int, typer.Option("--segments", metavar="N", min=1, show_default=False, help="Number of segments of the last mesh.")
+    str, typer.Option("--segments", metavar="N", help="Segments of the last mesh; refinement starts on it.")
 ]
-Tolerance = Annotated[float, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
-RefineTo = Annotated[
-    float, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.", show_default=False)
-]
+Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
+RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
@@ -74,6 +72,8 @@ def solve(
     if not quiet:
         for warning in dict.fromkeys(warning for spec in specs for warning in spec.warnings):
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
+        if guess:
+            _tell_what_lacks(guess, jobs)
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
@@ -92,8 +92,15 @@ def solve(
     raise typer.Exit(code)
 
 
-def overrides(set_, method: str | None, segments: int | None, tol: float | None, refine: float | None) -> list[str]:
-    """The short forms as overrides, after those of --set."""
+def _tell_what_lacks(guess: Path, jobs: list[_Job]) -> None:
+    from ..results.restart import without
+
+    for warning in dict.fromkeys(warning for job in jobs for warning in without(guess, job.problems[0])):
+        print(f"warning: {one_line(str(warning))}", file=sys.stderr)
+
+
+def overrides(set_, method: str | None, segments: str | None, tol: str | None, refine: str | None) -> list[str]:
+    """The short forms as overrides, after those of --set; they are checked as these are."""
     values = (method, segments, tol, refine)
     return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]
 
@@ -141,7 +148,7 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     from .progress import live_line, print_iteration
 
     spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
-    with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
+    with located(spec), native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
         solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
     _keep(job, solution)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,7 +15,8 @@ def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
     solved = summary["solved"]
     title = f"{one_line(summary['problem'])}: {'solved' if solved else 'NOT SOLVED'}"
-    typer.secho(title, bold=True, fg="green" if solved else "red")
+    colour = None if os.environ.get("NO_COLOR") else "green" if solved else "red"
+    typer.secho(title, bold=True, fg=colour)
     for name, text in _rows(summary):
         print_field(name, text)
 
@@ -61,7 +63,7 @@ def _error(error: dict[str, Any], relative: float | None) -> str:
         return "the dynamics have no finite value along the trajectory"
     return (
         f"relative {_eta(relative)}; max eta {error['max_eta']:.2e}, in {error['state']} "
-        f"on segment {error['segment'] + 1}, t = {error['start']:.4g} to {error['end']:.4g}"
+        f"on segment {error['segment']}, t = {error['start']:.4g} to {error['end']:.4g}"
     )
 
 

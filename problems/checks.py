@@ -52,6 +52,8 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     checker.guess_names()
     checker.guess_values()
     checker.errors += structure.check(spec, checker.symbols, checker.numbers)
+    if not (spec.nonsmooth and checker.errors):
+        checker.errors += structure.scaling(spec, checker.symbols)
     if not checker.errors:
         checker.objective()
         checker.constant_constraints()

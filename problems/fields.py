@@ -34,7 +34,7 @@ def mistake(what: str, remedy: str) -> PydanticCustomError:
 def _number(value: Any) -> float:
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise mistake(f"this must be a number, not {kind(value)}", "write a number such as 1.0e-8")
+        raise mistake(f"this must be a number, not {kind(value)}", "write a number such as 0.5 or 1.0e-8")
     if not math.isfinite(value):
         raise mistake(f"this must be a finite number, not {value}", "write a finite number, or leave the key out")
     return float(value)
@@ -44,7 +44,9 @@ def _formula(value: Any) -> Expression:
     if isinstance(value, Expression):
         return value
     if isinstance(value, float) and math.isinf(value):
-        raise mistake("infinity is not a value", "leave the key out for no bound")
+        raise mistake(
+            "this is infinite, or a number above 1e308", "write a finite number; for no bound leave the key out"
+        )
     if isinstance(value, float) and math.isnan(value):
         raise mistake("NaN is not a number", "write a finite number or an expression")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
@@ -83,7 +85,7 @@ def _option(value: Any) -> int | float | str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise mistake(f"a solver's option must be a finite number, a word, or yes or no, not {kind(value)}", "mend it")
+        raise mistake(f"a solver's option cannot be {kind(value)}", "write a finite number, a word, or yes or no")
     return value
 
 

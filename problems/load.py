@@ -54,17 +54,20 @@ def load_text(
 ) -> Spec:
     """As `load`, from a text; `file` is the name used in messages."""
     document = yamltext.read(text, file)
-    if document.data.get("mesh") is None:  # so that an override finds it; without a mesh, refinement is on
-        document.data["mesh"] = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
-        if document.data.get("refine") is None:
-            document.data["refine"] = {}
+    chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
+    if document.data.get("mesh") is None:
+        document.data["mesh"] = chosen  # so that an override finds its entries
     data, given = override(document, overrides)
+    if data.get("mesh") is None:
+        data["mesh"] = chosen
+    if data["mesh"] is chosen and data.get("refine") is None:
+        data["refine"] = {}
     places = Places(file, document.lines, given)
     data.setdefault("name", Path(file).stem)
     early = _unsafe_options(data.get("solver"), places)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {finding.path[-1] for finding in early})
-    if not data.get("states") and not data.get("model") and not nearest("states", data.keys() - {"states"}):
+    if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
     try:
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})

@@ -12,6 +12,38 @@ from .spec import Spec
 from .syntax import nearest
 from .yamltext import Path, brief, kind
 
+# How the sections are written, by key; for other keys their description says it.
+EXAMPLES = {
+    "time": "{initial: 0, final: 2}",
+    "initial": "0, or {lower: 0, upper: 1}",
+    "final": "1, or {lower: 0.5, upper: 3}",
+    "parameters": "{m: 2.0}",
+    "expressions": "{power: u*v}",
+    "states": "{x: {rate: v, initial: 0, final: 1}}",
+    "velocity": "{name: v, initial: 0}",
+    "controls": "{u: {lower: -5, upper: 5}}",
+    "algebraic": "{F: {unit: N}}",
+    "residuals": "[F - k*x]",
+    "optimize": "{p: {lower: 0, upper: 1}}",
+    "objective": "{minimize: {integral: u**2}}",
+    "minimize": "{integral: u**2}",
+    "maximize": '{terminal: "x[final]"}',
+    "nonsmooth": "slack, or {tanh: 0.01}",
+    "tanh": "0.01, or [1, 0.1]",
+    "sqrt": "0.01, or [1, 0.1]",
+    "constraints": "{path: [{expression: u*v, upper: 3}]}",
+    "path": "[{expression: u*v, upper: 3}]",
+    "boundary": '[{expression: "x[final] - x[initial]", equals: 1}]',
+    "integral": "[{expression: u*v, upper: 10}]",
+    "guess": "linear, or {constants: {u: 1}}",
+    "constants": "{u: 1}",
+    "keyframes": "{x: [0, 0.5, 1]}",
+    "refine": "{tolerance: 1e-8}",
+    "mesh": "[{method: trapezoid, segments: 20}]",
+    "solver": "{max_iter: 500}",
+    "reference": "{objective: 6.0, tolerance: 1e-4}",
+}
+
 
 def findings(error: ValidationError, places: Places) -> list[Finding]:
     """One finding for each error, at the longest part of its path that stands in the file."""
@@ -33,25 +65,29 @@ def _finding(error: dict[str, Any], places: Places) -> Finding:
 
 
 def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
-    """What is wrong and how to mend it. Types of pydantic's that no field can give fall through to its own words."""
+    """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
     given, context = kind(error.get("input")), error.get("ctx", {})
-    key, form = brief(path[-1]) if path else "", _describe(path)
+    key, form = brief(path[-1]) if path else "", _form(path)
     if error["type"] == "mistake":
         return context["what"], context["remedy"]
+    if error["type"] == "missing" and path == ("trajopt",):
+        return "the version of the file format is missing", "write trajopt: 1 at the top"
     if error["type"] == "extra_forbidden":
         return f'unknown key "{key}"', _other_key(path)
     words = {
-        "missing": (f"{key} is missing", f"add {key}: {form}"),
-        "model_type": (f"this must be a mapping, not {given}", f"write key: value below it: {form}"),
-        "dict_type": (f"this must be a mapping, not {given}", f"write key: value below it: {form}"),
-        "list_type": (f"this must be a list, not {given}", f'start each item with "- ": {form}'),
+        "missing": (f"{key} is missing", f"add {form}"),
+        "model_type": (f"this must be a mapping, not {given}", f"write {form}"),
+        "dict_type": (f"this must be a mapping, not {given}", f"write {form}"),
+        "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {form}'),
+        "bool_type": (f"this must be true or false, not {given}", "write true or false"),
+        "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),
         "string_type": (f"this must be a text, not {given}", "put the text in quotes"),
         "literal_error": (f"{given} is not one of the choices", f"write {context.get('expected', '')}"),
-        "too_short": (f"there must be at least {context.get('min_length')} here", f"add what is missing: {form}"),
+        "too_short": (f"there must be at least {context.get('min_length')} here", f"write {form}"),
         "too_long": (f"there are more than {context.get('max_length')} here", "remove some"),
         "string_too_long": (f"this text is longer than {context.get('max_length')} characters", "shorten it"),
     }
-    return words.get(error["type"], (error["msg"], f"write {form}"))
+    return words.get(error["type"], (f"this cannot be {given}", f"write {form}"))
 
 
 def _other_key(path: Path) -> str:
@@ -66,13 +102,16 @@ def _keys(path: Path) -> list[str]:
     return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
 
 
-def _describe(path: Path) -> str:
-    """The description of the field at this path, or of the mapping that the path is an entry of."""
+def _form(path: Path) -> str:
+    """How the value at this path is written, or the mapping or the list that it is an entry of."""
     for n in range(len(path), 0, -1):
         owner = _field(path[: n - 1])
         if isinstance(owner, type) and issubclass(owner, BaseModel) and path[n - 1] in owner.model_fields:
-            return owner.model_fields[path[n - 1]].description
-    return "see trajopt schema"
+            key = path[n - 1]
+            if key in EXAMPLES and _field(path[:n]) is not Any:  # objective: of reference: is a number
+                return f"for example {key}: {EXAMPLES[key]}"
+            return f"{key}: {owner.model_fields[key].description}"
+    return "what trajopt schema says"
 
 
 def _field(path: Path) -> Any:

@@ -33,6 +33,10 @@ class Function(Protocol):
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any: ...
 
 
+TOLERATED_EXCESS = 1e-4
+"""Of a curve over a bound, as of `Range.excess`: refinement and figures let less than this pass."""
+
+
 @dataclass(frozen=True)
 class Range:
     """Closed interval; a fixed value where both ends are equal."""
@@ -46,6 +50,12 @@ class Range:
 
     def clip(self, value: float) -> float:
         return min(max(value, self.lower), self.upper)
+
+    def excess(self, values: np.ndarray) -> np.ndarray:
+        """How far values are outside, relative to 1 + |bound|; zero inside."""
+        ends = ((self.lower, self.lower - values), (self.upper, values - self.upper))
+        beyond = [gap / (1 + abs(end)) for end, gap in ends if abs(end) < inf]
+        return np.max([*beyond, np.zeros_like(values)], axis=0)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJson
 
 from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 from .syntax import nearest
-from .yamltext import brief
+from .yamltext import brief, kind
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
@@ -16,15 +16,21 @@ DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
 
-def _substeps(value: Any) -> int:
-    whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
-    if not whole or not 1 <= value <= MAX_SUBSTEPS:
-        what = f"this is no number of substeps: {brief(value)}"
-        raise mistake(what, f"write a whole number from 1 to {MAX_SUBSTEPS}")
-    return int(value)
+def _count(largest: int, of: str) -> Any:
+    """The type of a whole number from 1 to the largest."""
+
+    def check(value: Any) -> int:
+        whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+        if not whole or not 1 <= value <= largest:
+            what = f"this is no number of {of}: {kind(value)}"
+            raise mistake(what, f"write a whole number from 1 to {largest}")
+        return int(value)
+
+    schema = {"type": "integer", "minimum": 1, "maximum": largest}
+    return Annotated[Any, PlainValidator(check), WithJsonSchema(schema)]
 
 
-Substeps = Annotated[Any, PlainValidator(_substeps), WithJsonSchema({"type": "integer", "minimum": 1})]
+Substeps, Meshes = _count(MAX_SUBSTEPS, "substeps"), _count(MAX_MESHES, "meshes")
 
 
 class Mesh(Entry):
@@ -79,9 +85,7 @@ class Refine(Entry):
     tolerance: Number = Field(
         1e-6, description="of eta on every segment, relative to 1 + the size of the state; default 1e-6"
     )
-    max_meshes: Annotated[int, Field(ge=1, le=MAX_MESHES)] = Field(
-        10, description="number of meshes after the schedule, at most; default 10"
-    )
+    max_meshes: Meshes = Field(10, description="number of meshes after the schedule, at most; default 10")
 
     @field_validator("tolerance")
     @classmethod

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from .models import find
 from .models.model import Model
 from .nonsmooth import consistent, refused
 from .places import Finding
 from .spec import Spec
+from .stand_ins import SLACK
 from .symbols import UNKNOWN, Symbols
 from .syntax import nearest
 from .tree import leaves, rate_of
+from .uses import constraints
 from .yamltext import Path, brief
 
 _SHOWN = 5
@@ -20,6 +23,8 @@ _SHOWN = 5
 def check(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
     """Every mistake. numbers: path -> value of the constants that have one."""
     found = [*refused(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+    if spec.solver.engine == "newton":
+        found += _inequalities(spec, symbols, numbers)
     return [*found, *(_model(spec, find(spec.model)) if spec.model else _residuals(spec, symbols))]
 
 
@@ -49,14 +54,59 @@ def _tolerance(spec: Spec) -> Iterator[Finding]:
         yield Finding(("solver", "tol"), "the tolerance of the solver belongs to the mesh", remedy)
 
 
+def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """Sizes are given for unknowns only; with `nonsmooth`, for a spec that is otherwise right."""
+    if not isinstance(spec.scaling, dict):
+        return
+    slack = consistent(spec, symbols) if spec.nonsmooth else None
+    variables = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    known = [*(variable.name for variable in variables), *spec.optimize]
+    known += [variable.name for variable in (*slack.controls, *slack.parameters)] if slack else []
+    for name in spec.scaling:
+        if name not in known:
+            close = nearest(name, known)
+            remedy = f"did you mean {close}?" if close else f"those that have one are {_listed(known)}"
+            what = f"{brief(name)} is no state, control or other unknown, so it has no size"
+            yield Finding(("scaling", name), what, remedy)
+
+
+def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+    """What Newton's method cannot do: a range of more than one value, of a variable or of a constraint."""
+    remedy = "make it one value, remove it, or leave out engine: newton"
+    for path, entry, bounds in _ranges(spec, symbols):
+        lower, upper = (numbers.get((*path, key)) for key in ("lower", "upper"))
+        if getattr(entry, "equals", None) is None and lower != upper:
+            what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
+            at = (*path, "lower" if lower is not None else "upper") if bounds else path
+            yield Finding(at, what, remedy)
+    if spec.nonsmooth and spec.nonsmooth.kind == SLACK:
+        what = "the Newton engine takes no bounds, and slack variables have them"
+        yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")
+    for group in (symbols.equations.path, symbols.equations.boundary) if symbols.equations else ():
+        for name, (_, allowed) in group.items():
+            if not allowed.fixed:
+                what = f"the Newton engine takes equality constraints only, and the model has the inequality {name}"
+                yield Finding(("model",), what, "leave out engine: newton")
+
+
+def _ranges(spec: Spec, symbols: Symbols) -> Iterator[tuple[Path, Any, bool]]:
+    """(path, entry, whether it bounds a variable) for all that has lower and upper."""
+    for declared in (*symbols.states, *symbols.controls, *symbols.algebraic):
+        yield declared.path, declared.entry, True
+    for path, entry in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
+        for end in ("initial", "final"):
+            yield (*path, end), getattr(entry, end), True
+    yield from ((("optimize", name), entry, True) for name, entry in spec.optimize.items())
+    yield from ((path, entry, False) for path, entry in constraints(spec))
+
+
 def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """As many residuals as algebraic variables, and every one of these in some residual."""
     unknowns = [variable.name for variable in symbols.algebraic]
     if not spec.residuals:
         yield from _no_residuals(spec, symbols)
     elif len(spec.residuals) != len(unknowns):
-        listed = ", ".join(unknowns[:_SHOWN]) + (", ..." if len(unknowns) > _SHOWN else "")
-        variables = _count(len(unknowns), "algebraic variable") + (f" ({listed})" if unknowns else "")
+        variables = _count(len(unknowns), "algebraic variable") + (f" ({_listed(unknowns)})" if unknowns else "")
         what = f"there must be as many residuals as algebraic variables, not {len(spec.residuals)} for {variables}"
         yield Finding(("residuals",), what, "a state without rate: or accel: makes its rate an algebraic variable")
     elif all(symbols.sound(("residuals", i, "expression"), r.expression) for i, r in enumerate(spec.residuals)):
@@ -80,6 +130,10 @@ def _no_residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def _count(number: int, noun: str) -> str:
     many = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
     return f"{number} {noun if number == 1 else many}"
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
 
 
 def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..problems.errors import FileError, Mistake
+from ..problems.errors import Mistake, SpecError
 from .curves import PhaseCurves
 from .curves import read as read_result
 from .summary import summarize
+
+NO_PART = {"trajopt", "name", "source", "note", "reference", "mesh", "refine", "solver", "scaling", "guess"}
+"""Keys of a problem file that do not change what the problem is."""
+NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time
 
 
 def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
     """One row for each result, measured against the first one.
 
     difference: of the objective from the first; state_difference: the largest distance of any state from the first's,
-    relative to that state's range, at equal fractions of the duration, and where. Raises FileError if a file is no
-    result, or has no state or phase in common with the first.
+    relative to that state's range, at equal fractions of the duration, and where; other_problem: path in the problem
+    file -> (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no
+    result, SpecError if it has no state or phase in common with the first.
     """
     first, rows = read_result(paths[0]), []
     for path in paths:
@@ -39,8 +44,27 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
             "max_eta": summary["error"]["max_eta"],
             "iterations": summary["iterations"],
             "seconds": summary["seconds"]["total"],
+            "other_problem": differences(first.spec, result.spec),
         })  # fmt: skip
     return rows
+
+
+def differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """Path -> both values, of all in two problem files that changes the problem; None is what one of them lacks."""
+    a, b = (
+        {".".join(path).removesuffix(".value"): value for path, value in _leaves(spec) if path[0] not in NO_PART}
+        for spec in (first, other)
+    )
+    return {path: (a.get(path), b.get(path)) for path in dict.fromkeys([*a, *b]) if a.get(path) != b.get(path)}
+
+
+def _leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Path -> value of what has nothing below it. Names that the user chose stand at depth two, keys below them."""
+    if isinstance(node, Mapping | list):
+        for key, value in node.items() if isinstance(node, Mapping) else enumerate(node):
+            yield from _leaves(value, (*path, str(key)))
+    elif len(path) < 3 or path[-1] not in NO_PART_BELOW:
+        yield path, node
 
 
 def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCurves]) -> tuple[str, float]:
@@ -52,7 +76,7 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
         for name, distance in _state_distances(a, b).items()
     }
     if not distances:
-        raise FileError(Mistake(str(path), "it has no state in common with the first result", "compare like with like"))
+        raise SpecError(Mistake(str(path), "it has no state in common with the first result", "compare like with like"))
     worst = max(distances, key=distances.get)
     return worst, distances[worst]
 

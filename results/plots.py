@@ -1,4 +1,4 @@
-"""Figures of a result: trajectories, errors, the history of the meshes.
+"""Figures of a result: trajectories and errors.
 
 The functions named draw_* draw on axes that they are given, so that figures of any layout can be made of them; those
 named *_figure lay out a whole figure. Curves are those of the file's dense grid, that is, of the method's own
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..problems.errors import Mistake, SpecError
-from ..problems.problem import Range
+from ..problems.problem import TOLERATED_EXCESS, Range
 from .curves import KINDS, Curve, PhaseCurves, Result
 from .style import (
     BLACK,
@@ -43,7 +43,6 @@ MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
 FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
-VIOLATION = 1e-6  # by which a bound is left, relative to it: more than IPOPT's own relaxation of bounds
 LEGEND = (*KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
@@ -69,7 +68,7 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
     width = ax.get_position().width * ax.figure.get_figwidth()
     set_title(ax, labelled(*_label(kind, name, phases[0]), width), far)
     ax.yaxis.set_major_formatter(Numbers())
-    _set_times(ax, phases)
+    set_times(ax, phases)
 
 
 def _label(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
@@ -115,7 +114,7 @@ def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[floa
         bound = bounds.get(phase.name, {}).get(name, Range())
         for value, gap, arrow in ((bound.lower, low - bound.lower, "↓"), (bound.upper, bound.upper - high, "↑")):
             if gap <= near:
-                broken = gap < -VIOLATION * max(abs(value), 1.0)
+                broken = gap < -TOLERATED_EXCESS * (1 + abs(value))
                 style = {"color": VERMILION if broken else GREY, "label": "violated bound" if broken else "bound"}
                 ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
             elif gap < inf:
@@ -123,7 +122,7 @@ def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[floa
     return "bound " + " ".join(dict.fromkeys(far)) if far else ""
 
 
-def _set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
+def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
     start, end = phases[0].knots[0], phases[-1].knots[-1]
     if end > start:
         ax.set_xlim(start - 0.015 * (end - start), end + 0.015 * (end - start))
@@ -149,7 +148,7 @@ def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence
                 _unlabel(lowest.get(i % columns))
                 lowest[i % columns] = ax
             row += ceil(len(names) / columns)
-        _finish(figure, result)
+        finish(figure, result)
         legend(figure, LEGEND)
     return figure
 
@@ -212,7 +211,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
     left.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
     left.set_title(labelled(f"ε of {state}", phases[0].epsilon[state].unit), loc="left")
     left.yaxis.set_major_formatter(Numbers())
-    _set_times(left, phases)
+    set_times(left, phases)
     eta = np.concatenate([phase.eta[state] for phase in phases])
     right.stairs(eta, np.arange(len(eta) + 1) + 0.5, fill=True, color=ORANGE, edgecolor=BLACK, linewidth=0.4)
     note = f"max {np.nanmax(eta):.2g} in segment {np.nanargmax(eta) + 1}" if np.isfinite(eta).any() else "not finite"
@@ -238,58 +237,11 @@ def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
             if row < len(states) - 1:
                 _unlabel(pair[0])
                 _unlabel(pair[1])
-        _finish(figure, result, "ε = dx/dt − f, η = integral of |ε| over a segment")
+        finish(figure, result, "ε = dx/dt − f, η = integral of |ε| over a segment")
     return figure
 
 
-def draw_meshes(ax: Axes, result: Result) -> None:
-    """The segments' edges of each mesh of the schedule over time, the first mesh at the top.
-
-    Times are those of the result: where the final time is free, earlier meshes had another one.
-    """
-    knots = result.phases[0].knots
-    for number, mesh in enumerate(result.meshes, start=1):
-        times = knots[0] + (knots[-1] - knots[0]) * mesh.edges
-        ax.hlines(number, times[0], times[-1], color=BLUE, linewidth=0.8)
-        ax.vlines(times, number - 0.3, number + 0.3, color=BLUE, linewidth=0.8)
-    names = [f"{k}: {mesh.method}, {len(mesh.edges) - 1}" for k, mesh in enumerate(result.meshes, start=1)]
-    step = ceil(len(names) / 20)
-    ax.set_yticks(range(1, len(names) + 1, step), names[::step])
-    ax.set_ylim(len(names) + 0.6, 0.4)
-    ax.grid(False)
-    ax.set_title("segment edges of each mesh", loc="left")
-    _set_times(ax, result.phases[:1])
-
-
-def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: bool = False) -> None:
-    """One number for each mesh, over the number of the mesh."""
-    ax.plot(range(1, len(values) + 1), values, "o-", color=VERMILION, markersize=4)
-    if logarithmic and max(values) > 5 * min(values) > 0:
-        ax.set_yscale("log")
-    else:
-        ax.yaxis.set_major_formatter(Numbers())
-    ax.set_xlim(0.5, len(values) + 0.5)
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("mesh")
-    ax.set_title(label, loc="left")
-
-
-def mesh_figure(result: Result) -> Figure:
-    """The history of refinement: edges of all meshes; unknowns, objective and largest eta by mesh."""
-    meshes = result.meshes
-    with look():
-        longest = max(len(mesh.method) for mesh in meshes) + 10
-        frame = Frame(left=longest * 0.9 * LETTER, bottom=0.55, down=0.75)
-        figure, grid = frame.figure([float(np.clip(0.32 * len(meshes), 0.6, 6.0)), 1.5], 3, 2.0)
-        draw_meshes(figure.add_subplot(grid[0, :]), result)
-        draw_history(figure.add_subplot(grid[1, 0]), "unknowns", [mesh.unknowns for mesh in meshes])
-        draw_history(figure.add_subplot(grid[1, 1]), "objective", [mesh.objective for mesh in meshes])
-        draw_history(figure.add_subplot(grid[1, 2]), "max η", [mesh.max_eta for mesh in meshes], logarithmic=True)
-        _finish(figure, result)
-    return figure
-
-
-def _finish(figure: Figure, result: Result, *notes: str) -> None:
+def finish(figure: Figure, result: Result, *notes: str) -> None:
     """The title: the problem, how the solve ended, objective and mesh; and notes, a line for each."""
     mesh = result.meshes[-1]
     status = "solved" if result.solved else f"NOT SOLVED: {result.message}"

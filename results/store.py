@@ -9,7 +9,7 @@
             state/<name>, costate/<name>, control/<name>, algebraic/<name>
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
-        error/                 eta (segment, state), with the numbers of the segments and the names of the states;
+        error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
                                relative (segment) and excess (segment) of bounds, what refinement looks at
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
@@ -20,11 +20,11 @@
                                unmet_count and unmet (segments that refinement left above its tolerance), scaling
                                (sizes of the automatic one, JSON)
 
-Arrays carry `units` and `long_name`, and their dimensions are HDF5 dimension scales, so that
-`xarray.open_datatree(file)` shows times as coordinates. (xarray wants a dimension to have one size in a group and all
-groups below it; hence points/ and dense/ stand side by side.) What is listed keeps the order of the problem file. The
-file is written under another name in the same folder, flushed to disk, and renamed: there is never half a result under
-the final name, and an older one stays whole until then.
+Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
+Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
+wants a dimension to have one size in a group and all groups below it; hence points/ and dense/ stand side by side.)
+What is listed keeps the order of the problem file. The file is written under another name in the same folder, flushed
+to disk, and renamed: there is never half a result under the final name, and an older one stays whole until then.
 """
 
 from __future__ import annotations
@@ -161,7 +161,7 @@ def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile)
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"
         _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
-    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "number of the segment, from 0")
+    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "index of the segment, from 0")
     names = _scale(errors, "state", [state.name for state in phase.states], "state")
     _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
     _array(
@@ -188,7 +188,7 @@ def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.
     _write_kind(group, "state", phase.states, x, time)
     _write_kind(group, "control", phase.controls, u[:n], time)
     _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
-    duals = _group(group, "costate")
+    duals = _group(group, "costate")  # no unit: the objective has none to begin with
     for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
         _array(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
     return time
@@ -220,7 +220,7 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     if isinstance(scheme := record.mesh.schemes[0], Shooting):
         group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
-        segment = _scale(group, "segment", np.arange(record.mesh.segments), "number of the segment")
+        segment = _scale(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
         degrees = [scheme.degree for scheme in record.mesh.schemes]
         forms = [int(scheme.differential) for scheme in record.mesh.schemes]
         _array(group, "degree", degrees, [segment], "degree of the method")

@@ -65,7 +65,7 @@ def _reference(file: h5py.File) -> dict[str, Any] | None:
 
 
 def _error(file: h5py.File) -> dict[str, Any]:
-    """The largest eta and where it is: phase, state, segment and the segment's times."""
+    """The largest eta and where it is: phase, state, segment (the first is 1) and the segment's times."""
     worst = {"max_eta": -np.inf}
     for name, phase in file["phase"].items():
         eta = phase["error/eta"][:]
@@ -75,7 +75,7 @@ def _error(file: h5py.File) -> dict[str, Any]:
                 "max_eta": eta[segment, state],
                 "phase": name,
                 "state": phase["error/state"].asstr()[state],
-                "segment": segment,
+                "segment": segment + 1,
                 "start": phase["knots"][segment],
                 "end": phase["knots"][segment + 1],
             }

@@ -2,9 +2,9 @@
 
 import json
 import os
-import pty
 import re
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -12,8 +12,6 @@ import broken
 import h5py
 import pytest
 from command_line import TRAJOPT, process
-
-from trajopt.problems.catalog import shipped
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -91,42 +89,12 @@ def test_a_name_that_is_no_text(folder):
     assert process("show", os.fsdecode(b"\xff.h5")).returncode == 0
 
 
-def on_a_terminal(*arguments: str, columns: int = 80) -> str:
-    """What a terminal of that width receives; standard output and error together."""
-    primary, secondary = pty.openpty()
-    environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
-    started = subprocess.Popen([*TRAJOPT, *arguments], stdout=secondary, stderr=secondary, env=environment)
-    os.close(secondary)
-    received = b""
-    try:
-        while block := os.read(primary, 4096):
-            received += block
-    except OSError:  # Linux's way to say that the other side has closed
-        pass
-    os.close(primary)
-    assert started.wait() == 0
-    return received.decode()
-
-
-def test_the_live_line_appears_and_vanishes():
-    shown = on_a_terminal("solve", "cartpole", "--segments", "800")
-    lines = shown.split("\r\x1b[K")[0].split("\r")
-    assert "cart-pole swing-up: building" in lines[1]
-    *live, rest = re.split(r"\r(?=[^\n])", shown)
-    assert any(re.search(r"mesh \d, iteration \d+, J = .*, infeasibility \d", line) for line in live)
-    assert all(len(line.removesuffix("\x1b[K")) < 80 for line in live)
-    assert rest.startswith("\x1b[K")  # written over with nothing before the table
-    table = rest.removeprefix("\x1b[K").replace("\r", "")
-    assert re.match(r"(\x1b\[\d+m)+cart-pole swing-up: solved\x1b\[0m\n", table)
-    assert max(map(len, table.splitlines()[1:])) <= 80
-    assert "\n            0.0" in table or "seconds" in table
-
-
-def test_tables_on_a_terminal_keep_to_its_width():
-    lines = on_a_terminal("list", columns=70).replace("\r", "").splitlines()
-    assert len(lines) == 1 + len(shipped())
-    assert all(len(re.sub(r"\x1b\[\d+m", "", line)) <= 70 for line in lines)
-    assert any(line.endswith("...") for line in lines)
+@pytest.mark.parametrize("arguments", [("--help",), ("solve", "cartpole")])
+def test_nothing_is_loaded_for_tables_that_are_not_drawn(arguments):
+    script = "import sys; from trajopt.cli.app import app; app(sys.argv[1:], standalone_mode=False)"
+    counted = f"{script}\nassert not [name for name in sys.modules if name.startswith('rich.')]"
+    run = subprocess.run([sys.executable, "-c", counted, *arguments], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
 
 
 def test_help_is_quick():

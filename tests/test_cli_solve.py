@@ -67,7 +67,12 @@ def test_short_forms_go_to_the_last_or_to_every_mesh():
     [
         (["--method", "trap"], 'error: --method: there is no method "trap"; did you mean trapezoid?\n'),
         (["--segments", "1000000"], "error: --segments: "),
+        (["--segments", "0"], "error: --segments: 0 segments are asked for; ask for 1 to 200000"),
+        (["--segments", "abc"], "error: --segments: this must be a whole number or a list of widths, not the text"),
         (["--tol", "nan"], "error: --tol: "),
+        (["--tol", "x"], 'error: --tol: this must be a number, not the text "x"; write a number such as'),
+        (["--refine", "x"], 'error: --refine: this must be a number, not the text "x"; write a number such as'),
+        (["--refine", "0"], "error: --refine: the tolerance 0 is out of range; write a number such as 1.0e-6"),
         (["--set", "parameters.dd=1"], "error: --set parameters.dd: parameters has no dd"),
         (["--set", "solver.max_itr=1"], "error: --set solver.max_itr: IPOPT does not take max_itr = 1; did you mean"),
     ],
@@ -80,7 +85,7 @@ def test_wrong_options_are_named_as_they_were_given(folder, arguments, sentence)
     assert not list(folder.iterdir())
 
 
-@pytest.mark.parametrize("arguments", [["--segments", "0"], ["--segments", "x"], ["--tol", "x"], ["--nonsense"], []])
+@pytest.mark.parametrize("arguments", [["--nonsense"], []])
 def test_a_wrong_command_line(arguments):
     result = trajopt("solve", *(["cartpole"] if arguments else []), *arguments)
     assert result.exit_code == 2
@@ -164,7 +169,7 @@ def test_guess():
     warm = json.loads(trajopt("solve", "cartpole", "--guess", "cartpole.h5", "--json").stdout)["iterations"]
     assert warm < cold
     other = trajopt("solve", "block_move_min_force", "--guess", "cartpole.h5")
-    assert other.exit_code == 3 and "none of the states" in other.stderr
+    assert other.exit_code == 2 and "none of the states" in other.stderr
 
 
 def test_the_result_remembers_its_command(monkeypatch):

@@ -168,14 +168,14 @@ def test_a_document_of_the_cart_pole(folder):
     lines = Path("a.tex").read_text().splitlines()
     assert lines[7:9] == [
         "25 unknowns, 16 constraints.",
-        "Phase main: hermite-simpson; segments 0 to 1, points 0 to 4.",
+        "Phase main: hermite-simpson; segments 1 to 2, points 0 to 4.",
     ]
     labels = [line for line in lines if line.startswith("Defect")]
     assert labels == [
         f"Defect of {state}, segment {segment}, row {row} of 2"
         for state in ("q1", "q2", "v1", "v2")
         for row in (1, 2)
-        for segment in (0, 1)
+        for segment in (1, 2)
     ]
     found = formulas(Path("a.tex"))
     assert found[5] == (
@@ -206,7 +206,7 @@ def test_a_document_of_the_cart_pole(folder):
     ("method", "labels"),
     [
         ("gauss", [f"Defect of q1, point {k}" for k in (5, 1, 2, 3)]),
-        ("hermite-simpson-compressed", ["Defect of q1, segment 0", "Bounds of q1, point 1"]),
+        ("hermite-simpson-compressed", ["Defect of q1, segment 1", "Bounds of q1, point 1"]),
     ],
 )
 def test_labels(folder, method, labels):

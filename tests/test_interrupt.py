@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -76,6 +77,28 @@ def test_in_the_middle_of_a_solve(folder, number):
     assert "Traceback" not in err and "--guess" in err
     assert [path.name for path in folder.iterdir()] == ["a.h5"]
     check_interrupted("a.h5")
+
+
+@pytest.mark.parametrize("module", ["typer", "trajopt.cli.solve", "inspect"])
+def test_while_the_command_line_is_loaded(folder, module):
+    """The signal comes as the module is imported."""
+    script = (
+        "import os, signal, sys\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        f"        if name == {module!r}: os.kill(os.getpid(), signal.SIGINT)\n"
+        "from trajopt.cli.main import main\n"
+        "sys.modules.pop('inspect', None); sys.meta_path.insert(0, Finder()); main()"
+    )
+    run = subprocess.run([sys.executable, "-c", script, "solve", "cartpole"], capture_output=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (130, b"", b"")
+
+
+def test_an_ignored_signal_stays_ignored(folder):
+    script = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); from trajopt.cli.main import main; "
+    script += "import atexit; atexit.register(lambda: print(signal.getsignal(signal.SIGINT) == signal.SIG_IGN)); main()"
+    run = subprocess.run([sys.executable, "-c", script, "--version"], capture_output=True, text=True, check=False)
+    assert run.stdout.endswith("\nTrue\n")
 
 
 def test_while_building():

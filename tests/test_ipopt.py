@@ -145,6 +145,13 @@ def test_starting_from_the_solution_takes_almost_no_iterations():
     assert len(again.iterations["mu"]) < len(cold.iterations["mu"])
 
 
+def test_a_linear_solver_that_is_not_there_is_a_mistake():
+    (mistake,) = check_options({"linear_solver": "ma57"})
+    assert mistake.where == "solver.linear_solver"
+    assert "cannot load the linear solver ma57" in mistake.what
+    assert "hsllib" in mistake.remedy
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -155,7 +155,8 @@ def test_the_command_line_does_not_excuse_the_file():
 
 def test_engines():
     assert good().solver.engine == "ipopt"
-    spec = good("solver={engine: newton, line_search: yes}")
+    free = ("states.x.lower", "states.x.upper", "controls.u", "optimize.c", "constraints")
+    spec = good("solver={engine: newton, line_search: yes}", *(f"{path}=" for path in free), "optimize.c.guess=0.3")
     assert spec.solver.engine == "newton" and spec.solver.options == {"line_search": "yes"}
 
 

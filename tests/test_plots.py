@@ -4,17 +4,18 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
-from command_line import solved_once, trajopt
+from command_line import process, solved_once, trajopt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from trajopt.problems.errors import SpecError
 from trajopt.problems.problem import Range
-from trajopt.results import plots
+from trajopt.results import mesh_plots, plots
 from trajopt.results.curves import bounds_of, read
 from trajopt.results.style import DPI, Numbers, drawn_by_us
 
@@ -106,6 +107,18 @@ def test_bounds_near_the_curve_are_lines_and_others_words(solved):
     assert "bound" not in labels(plots.trajectory_figure(result).axes[0])
 
 
+@pytest.mark.parametrize(("bound", "amount", "broken"), [(1.0, 2e-7, 0), (1.0, 1e-3, 1), (1e4, 0.9, 0), (1e4, 2.0, 1)])
+def test_a_bound_is_violated_by_what_refinement_counts(solved, bound, amount, broken):
+    result = read(solved("cartpole"))
+    (phase,) = result.phases
+    dense = np.linspace(0.9 * bound, bound + amount, len(phase.dense_time))
+    curve = replace(phase.curves["control"]["u"], dense=dense, points=dense[:1].repeat(len(phase.time)))
+    pushed = replace(result, phases=(replace(phase, curves={"control": {"u": curve}}),))
+    (ax,) = plots.trajectory_figure(pushed, {"main": {"u": Range(-bound, bound)}}).axes
+    assert labels(ax).count("violated bound") == broken
+    assert labels(ax).count("bound") == 1 - broken
+
+
 def test_path_constraint_on_one_name_is_a_bound(solved):
     result = read(solved("bounded"))
     assert bounds_of(result.build()[0])["main"]["x"].upper == pytest.approx(1 / 9)
@@ -145,11 +158,18 @@ def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):
 
 def test_mesh_picture_shows_every_mesh(solved):
     result = read(solved("biped"))
-    edges, unknowns, objective, eta = plots.mesh_figure(result).axes
+    edges, unknowns, objective, eta = mesh_plots.mesh_figure(result).axes
     assert [label.get_text() for label in edges.get_yticklabels()] == ["1: hermite-simpson, 5", "2: hermite-simpson, 6"]
     assert [len(lines.get_segments()) for lines in edges.collections[1::2]] == [6, 7]
     for ax, name in ((unknowns, "unknowns"), (objective, "objective"), (eta, "max_eta")):
         assert ax.get_lines()[0].get_ydata() == pytest.approx([getattr(mesh, name) for mesh in result.meshes])
+
+
+@pytest.mark.parametrize(("name", "ticks"), [("cartpole", [1]), ("biped", [1, 2])])
+def test_meshes_are_counted_by_whole_numbers(solved, name, ticks):
+    for ax in mesh_plots.mesh_figure(read(solved(name))).axes[1:]:
+        low, high = ax.get_xlim()
+        assert [tick for tick in ax.get_xticks() if low <= tick <= high] == ticks
 
 
 def test_several_pictures_are_several_files_or_pages(solved, folder):
@@ -276,3 +296,9 @@ def test_no_window_system_and_no_start_up_time_is_needed(solved, folder):
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stderr
     assert (folder / "u.png").exists()
+
+
+def test_a_home_that_cannot_be_written_is_no_trouble(solved, folder):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("MPL", "XDG"))}
+    done = process("plot", solved("cartpole"), "--only", "u", env=environment | {"HOME": "/proc"})
+    assert (done.returncode, done.stdout, done.stderr) == (0, "cartpole.png\n", "")

@@ -1,45 +1,29 @@
-"""The result file: its layout, its scales and units, other tools, and that nothing is ever lost."""
+"""The result file: its layout, its scales and units, other tools."""
 
 import json
 import re
-import resource
 import warnings
-from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
 
 import h5py
 import numpy as np
 import pytest
 import xarray
 from exact import fixed, growth
+from stored import save, solved
 
-from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
-from trajopt.problems.errors import FileError
 from trajopt.problems.load import load
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, State, Variable
 from trajopt.results import store
 from trajopt.results.restart import guess_from
-from trajopt.results.store import check_target, open_result, write
+from trajopt.results.store import write
 from trajopt.results.summary import summarize
 from trajopt.transcription.ipopt import COLUMNS
-from trajopt.transcription.settings import Settings, Step, steps
+from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 
 PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error"]
-
-
-@cache
-def solved(name: str, **options):
-    spec = load(shipped()[name])
-    return spec, solve(build(spec), steps(spec.mesh), Settings(options))
-
-
-def save(path, name: str = "shot_put", **options):
-    spec, solution = solved(name, **options)
-    write(path, solution, spec.text, spec.model_dump_json(), "trajopt solve it")
-    return path
 
 
 def members(file: h5py.File) -> list[str]:
@@ -105,6 +89,7 @@ def test_units(tmp_path):
         names = ("points/time", "dense/time", "knots", "points/state/x", "dense/state/vy", "dense/epsilon/vy")
         assert [main[name].attrs["units"] for name in names] == ["s", "s", "s", "m", "m/s", "m/s/s"]
         assert main["parameter/angle"].attrs["units"] == "rad"
+        assert "units" not in main["points/costate/x"].attrs  # the objective has none
     with h5py.File(save(tmp_path / "b.h5", "cartpole")) as file:
         assert file["phase/main/points/control/u"].attrs["units"] == "N"
 
@@ -123,6 +108,16 @@ def test_values(tmp_path):
         np.testing.assert_array_equal(file["solver/y"], solution.outcome.y)
         assert file.attrs["objective"] == solution.objective
         assert file["mesh/0"].attrs["max_eta"] == solution.max_eta
+
+
+def test_segments_are_indices_in_the_file_and_count_from_one_in_the_summary(tmp_path):
+    with h5py.File(save(tmp_path / "a.h5", "cartpole")) as file:
+        error = file["phase/main/error"]
+        worst, state = np.unravel_index(np.argmax(error["eta"]), error["eta"].shape)
+        assert error["segment"][:].tolist() == list(range(25))
+        start = file["phase/main/knots"][worst]
+    told = summarize(tmp_path / "a.h5")["error"]
+    assert (told["segment"], told["start"], told["state"]) == (worst + 1, start, ["q1", "q2", "v1", "v2"][state])
 
 
 def test_the_problem_file_is_kept_to_the_letter(tmp_path):
@@ -211,113 +206,3 @@ def test_numbers_without_a_value_are_null_in_json(tmp_path):
     write(tmp_path / "a.h5", broken, "", json.dumps({}), "")
     text = json.dumps(summarize(tmp_path / "a.h5"), allow_nan=False)
     assert json.loads(text)["objective"] is None
-
-
-# -- nothing is lost -----------------------------------------------------------------------------------------------
-
-
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
-    path = save(tmp_path / "a.h5")
-    before = path.read_bytes()
-    spec, solution = solved("cartpole")
-    with pytest.raises(TypeError):
-        write(path, solution, object(), "{}", "")
-    with pytest.raises(AttributeError):
-        write(path, replace(solution, outcome=None), spec.text, "{}", "")
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
-
-
-@contextmanager
-def largest_file(size: int):
-    """A limit on the size of files stands in for a disk that is full: writing fails in the middle."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
-@pytest.mark.parametrize("size", [0, 100, 50_000])
-def test_a_full_disk(tmp_path, size):
-    path = save(tmp_path / "a.h5")
-    before = path.read_bytes()
-    with largest_file(size), pytest.raises(FileError, match="cannot be written"):
-        save(path, "cartpole")
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_new_result_replaces_the_old_one(tmp_path):
-    path = save(tmp_path / "a.h5", max_iter=2)
-    save(path)
-    assert summarize(path)["solved"]
-    assert list(tmp_path.iterdir()) == [path]
-    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask(tmp_path)
-
-
-def _umask(folder) -> int:
-    probe = folder / "probe"
-    probe.touch()
-    mode = probe.stat().st_mode & 0o777
-    probe.unlink()
-    return 0o666 & ~mode
-
-
-@pytest.mark.parametrize("content", [b"", b"not HDF5", b"\x89HDF\r\n\x1a\n then rubbish"])
-def test_foreign_files_are_kept_and_not_read(tmp_path, content):
-    path = tmp_path / "a.h5"
-    path.write_bytes(content)
-    with pytest.raises(FileError, match=r"no trajopt result.*--force"):
-        check_target(path, "shot put")
-    check_target(path, "shot put", force=True)
-    with pytest.raises(FileError, match="cannot be read as HDF5"):
-        summarize(path)
-    assert path.read_bytes() == content
-
-
-def test_half_a_result_is_not_read(tmp_path):
-    path = save(tmp_path / "a.h5")
-    path.write_bytes(path.read_bytes()[:10_000])
-    with pytest.raises(FileError, match="cannot be read as HDF5"):
-        summarize(path)
-
-
-def test_other_hdf5_files_and_other_problems(tmp_path):
-    path = save(tmp_path / "a.h5")
-    check_target(path, "shot put")
-    with pytest.raises(FileError, match="another problem, 'shot put'"):
-        check_target(path, "cart-pole swing-up")
-    with h5py.File(path, "a") as file:
-        file.attrs["format_version"] = store.FORMAT_VERSION + 1
-    with pytest.raises(FileError, match="update trajopt"):
-        summarize(path)
-    with h5py.File(path, "w") as file:
-        file.attrs["format"] = np.arange(3)
-    with pytest.raises(FileError, match="no trajopt result"), open_result(path):
-        pass
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("target", "words"),
-    [
-        ("nowhere/a.h5", "folder does not exist"),
-        (".", "it is a folder"),
-        ("/dev/full", "no ordinary file"),
-        ("/proc/a.h5", "folder cannot be written"),
-    ],
-)
-def test_targets_that_cannot_be_written(target, words):
-    with pytest.raises(FileError, match=words):
-        check_target(store.Path(target), "shot put", force=True)
-
-
-def test_a_result_starts_the_next_solve(tmp_path):
-    spec, solution = solved("cartpole")
-    guess = guess_from(save(tmp_path / "a.h5", "cartpole"), solution.problem)
-    again = solve(solution.problem, steps(spec.mesh), guess=guess)
-    assert again.solved and again.meshes[0].iterations < solution.meshes[0].iterations
-    with pytest.raises(FileError, match="none of the states"):
-        guess_from(save(tmp_path / "b.h5"), solution.problem)

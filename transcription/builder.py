@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
+from pyomo.core import Any as AnyValue
 from pyomo.core import Constraint, Param, RangeSet, Set, Var
 
 from ..problems.problem import Phase, Range
 from .mesh import Mesh
+from .templates import item
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class _Values(dict):
             self[name] = self.time(self.k)
         else:
             component, key = self.makers[name]
-            self[name] = component[key, self.k]
+            self[name] = item(component, key, self.k)
         return self[name]
 
     def names(self) -> list[str]:
@@ -159,7 +161,9 @@ class PhaseBuilder:
     def data(self, name: str, index, values: np.ndarray) -> Param:
         """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
         index = RangeSet(0, len(values) - 1) if index is None else index
-        parameter = Param(index, initialize=dict(zip(index, values.tolist(), strict=True)))
+        table = dict(zip(index, values.tolist(), strict=True))
+        # Given a dict or no domain, Pyomo checks every index or value.
+        parameter = Param(index, within=AnyValue, initialize=lambda block, i: table[i])
         self.block.add_component(name, parameter)
         return parameter
 
@@ -185,7 +189,7 @@ class PhaseBuilder:
         return values
 
     def _time(self, k) -> Any:
-        return self.block.t0 + self.duration * self.block.fraction[k]
+        return self.block.t0 + self.duration * item(self.block.fraction, k)
 
     def _ends(self) -> dict:
         """The values at both ends of the phase, by names such as "q1[final]"."""

@@ -24,6 +24,7 @@ from ..problems.problem import State
 from .builder import PhaseBuilder, Place
 from .mesh import Group
 from .point_rows import PointRows, point_rows
+from .templates import item
 
 
 class CollocationBuilder(PhaseBuilder):
@@ -60,7 +61,7 @@ class CollocationBuilder(PhaseBuilder):
         return over
 
     def h(self, s):
-        return self.duration * self.block.width[s]
+        return self.duration * item(self.block.width, s)
 
     def places(self) -> list[Place]:
         block, mesh = self.block, self.mesh
@@ -69,7 +70,7 @@ class CollocationBuilder(PhaseBuilder):
                 name="",
                 over=self.explicit_set,
                 values=lambda k: self.at(k, self.names),
-                weight=lambda k: self.duration * block.weight[k],
+                weight=lambda k: self.duration * item(block.weight, k),
                 points=self.explicit,
                 quadrature=mesh.weights[self.explicit],
                 computed={},
@@ -130,7 +131,7 @@ class CollocationBuilder(PhaseBuilder):
 
     def _nodes(self, scheme, s) -> list[dict]:
         """The values at the nodes of segment s; eliminated states are expressions of the others."""
-        eliminated, first = dict(scheme.eliminated), self.block.first[s]
+        eliminated, first = dict(scheme.eliminated), item(self.block.first, s)
         nodes = [
             self.at(first + i, () if i in eliminated else self.names, inputs=i in scheme.collocated)
             for i in range(len(scheme.sigma))
@@ -161,11 +162,12 @@ class CollocationBuilder(PhaseBuilder):
         L, node, R, point = (self.data(f"{name}_{key}", None, table.ravel()) for key, table in tables.items())
 
         def defect(block, q, state: State):
-            k, a, r = first[q], nodes * row[q], rows.terms * row[q]
-            left = sum([L[a + i] * block.x[state.name, k + node[a + i]] for i in range(nodes)])
-            f = [state.rate(self.at(k + point[r + j], self.names), pyomo) for j in range(rows.terms)]
-            right = sum([R[r + j] * f_j for j, f_j in enumerate(f)])
-            return left == self.duration * width[q] * right if f else left == 0.0
+            k, a, r = item(first, q), nodes * item(row, q), rows.terms * item(row, q)
+            x = [item(block.x, state.name, k + item(node, a + i)) for i in range(nodes)]
+            left = sum([item(L, a + i) * x_i for i, x_i in enumerate(x)])
+            f = [state.rate(self.at(k + item(point, r + j), self.names), pyomo) for j in range(rows.terms)]
+            right = sum([item(R, r + j) * f_j for j, f_j in enumerate(f)])
+            return left == self.duration * item(width, q) * right if f else left == 0.0
 
         for state in self.phase.states:
             constraint = Constraint(over, rule=partial(defect, state=state))

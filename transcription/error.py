@@ -22,7 +22,7 @@ from .implicit import consistent_inputs
 from .scheme import Scheme
 from .trajectory import Sample, Trajectory
 
-ROMBERG_LEVELS = range(3, 9)  # 8 to 256 intervals a piece
+ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
 INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
 GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
@@ -74,14 +74,14 @@ def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
 
 def _eta(trajectory: Trajectory) -> np.ndarray:
     """Romberg quadrature of |epsilon| over every segment, shape (n_x, N), refined where it has not converged."""
-    eta = np.full((len(trajectory.phase.states), trajectory.mesh.segments), np.nan)
+    eta = np.empty((len(trajectory.phase.states), trajectory.mesh.segments))
     for group in trajectory.mesh.groups:
         breaks = group.scheme.sigma
         open_ = group.segments
         for level in ROMBERG_LEVELS:
-            new = trajectory.h[open_] * _integral(trajectory, open_, breaks, level)
-            change = np.abs(new - eta[:, open_])
-            eta[:, open_] = new
+            fine, coarse = _integrals(trajectory, open_, breaks, level)
+            eta[:, open_] = trajectory.h[open_] * fine
+            change = trajectory.h[open_] * np.abs(fine - coarse)
             scale = eta[:, group.segments].max(axis=1, keepdims=True)
             settled = (change <= ROMBERG_TOLERANCE * scale + EPSILON_FLOOR).all(axis=0)
             open_ = open_[~settled]
@@ -90,13 +90,15 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
     return eta
 
 
-def _integral(trajectory: Trajectory, segments: np.ndarray, breaks: np.ndarray, level: int) -> np.ndarray:
-    """The integral of |epsilon| over tau in [0, 1] for G segments, by 2^level intervals between breaks: (n_x, G)."""
+def _integrals(trajectory: Trajectory, segments: np.ndarray, breaks: np.ndarray, level: int) -> list[np.ndarray]:
+    """The integral of |epsilon| over tau in [0, 1] for G segments, shape (n_x, G): by 2^level intervals between breaks,
+    and by half as many.
+    """
     inside = np.linspace(INSET, 1 - INSET, 2**level + 1)
     tau = breaks[:-1, None] + np.diff(breaks)[:, None] * inside
     epsilon = np.abs(_epsilon(trajectory, trajectory.grid(segments, tau.ravel())))
-    pieces = _romberg(epsilon.reshape(*epsilon.shape[:-1], *tau.shape))
-    return pieces @ np.diff(breaks)
+    epsilon = epsilon.reshape(*epsilon.shape[:-1], *tau.shape)
+    return [_romberg(epsilon[..., ::step]) @ np.diff(breaks) for step in (1, 2)]
 
 
 def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
@@ -108,18 +110,19 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     phase, mesh = trajectory.phase, trajectory.mesh
     integrands = ([phase.lagrange] if phase.lagrange else []) + [c.function for c in phase.integral]
     errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
+    at_points = [_values(trajectory, w, trajectory.times, trajectory.x, trajectory.u) for w in integrands]
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     for group in mesh.groups:
         if not isinstance(group.scheme, Scheme):  # shooting integrates the integrands along with the states
             continue
         width = np.diff(group.scheme.sigma)[:, None]
         tau = (group.scheme.sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
-        fine, own = (trajectory.grid(group.segments, t) for t in (tau, group.scheme.c))
+        fine = trajectory.grid(group.segments, tau)
         for i, w in enumerate(integrands):
-            exact, rule = (_values(trajectory, w, sample) for sample in (fine, own))
-            difference = exact @ (width * weights / 2).ravel() - rule @ group.scheme.b
-            errors[i, group.segments] = np.abs(trajectory.h[group.segments] * difference)
-            totals[i] += float((trajectory.h[group.segments] * (rule @ group.scheme.b)).sum())
+            exact = _values(trajectory, w, fine.t, fine.x, fine.u) @ (width * weights / 2).ravel()
+            rule = at_points[i][group.collocated] @ group.scheme.b
+            errors[i, group.segments] = np.abs(trajectory.h[group.segments] * (exact - rule))
+            totals[i] += float((trajectory.h[group.segments] * rule).sum())
     return errors / (1 + np.abs(totals[:, None]))
 
 
@@ -141,22 +144,15 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
     values = phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
     for variable in (*phase.states, *phase.inputs):
         if variable.bounds != Range():
-            excess = _excess(values[variable.name], variable.bounds)
+            excess = variable.bounds.excess(values[variable.name])
             yield Excess(f"bounds of {variable.name}", excess, variable in phase.algebraic)
     for constraint in phase.path:
         g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
-        yield Excess(f"path constraint '{constraint.name}'", _excess(g, constraint.bounds), constraint.bounds.fixed)
+        yield Excess(f"path constraint '{constraint.name}'", constraint.bounds.excess(g), constraint.bounds.fixed)
 
 
-def _excess(g: np.ndarray, bounds: Range) -> np.ndarray:
-    below = (bounds.lower - g) / (1 + abs(bounds.lower)) if np.isfinite(bounds.lower) else np.zeros_like(g)
-    above = (g - bounds.upper) / (1 + abs(bounds.upper)) if np.isfinite(bounds.upper) else np.zeros_like(g)
-    return np.maximum(np.maximum(below, above), 0.0)
-
-
-def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
-    values = trajectory.phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
-    return np.broadcast_to(function(values, np), sample.t.shape)
+def _values(trajectory: Trajectory, function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    return np.broadcast_to(function(trajectory.phase.values(t, x, u, trajectory.parameters), np), t.shape)
 
 
 def _romberg(y: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from pyomo.core import RangeSet
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import State
 from .builder import PhaseBuilder, Place
+from .templates import item
 
 
 class DifferenceBuilder(PhaseBuilder):
@@ -32,7 +33,7 @@ class DifferenceBuilder(PhaseBuilder):
         if 2 * len(self.pairs) != len(self.phase.states):
             alone = next(s.name for s in self.phase.states if s.name not in velocities and not s.velocity_of)
             what = f"finite-difference needs second-order dynamics, and '{alone}' has none"
-            raise SpecError(Mistake("method", what, f"give '{alone}' accel: instead of rate:, or take another method"))
+            raise SpecError(Mistake("mesh", what, f"give '{alone}' accel: instead of rate:, or take another method"))
         if self.mesh.segments < 2 or np.ptp(self.mesh.widths) > 1e-12:
             what = "finite-difference needs two or more equal segments"
             raise SpecError(Mistake("mesh", what, "give segments: as a number, or take another method"))
@@ -67,7 +68,7 @@ class DifferenceBuilder(PhaseBuilder):
     def _inner_values(self, k) -> dict:
         x, values = self.block.x, self._positions(k)
         for position, velocity in self.pairs:
-            values[velocity.name] = (x[position.name, k + 1] - x[position.name, k - 1]) / (2 * self.dt)
+            values[velocity.name] = (item(x, position.name, k + 1) - item(x, position.name, k - 1)) / (2 * self.dt)
         return values
 
     def end_values(self, last: bool) -> dict:
@@ -97,7 +98,8 @@ class DifferenceBuilder(PhaseBuilder):
 
     def _defect(self, position: State, velocity: State, k, values: dict):
         x = self.block.x
-        second = x[position.name, k - 1] - 2 * x[position.name, k] + x[position.name, k + 1]
+        before, here, after = (item(x, position.name, k + i) for i in (-1, 0, 1))
+        second = before - 2 * here + after
         return second == self.dt**2 * velocity.rate(values, pyomo)  # (42)
 
 

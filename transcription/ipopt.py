@@ -121,6 +121,13 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
             if near and near[0] != name:
                 remedy = f"did you mean '{near[0]}'?"
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
+    wanted = options.get("linear_solver", "mumps")
+    if not mistakes and wanted != "mumps":  # IPOPT takes the name; whether it has the library shows when it runs
+        problem.add_option("print_level", 0)
+        _, info = problem.solve(np.array([0.5]))
+        if Status.from_code(info["status"]) is Status.INVALID_OPTION:
+            remedy = "write mumps, or name the file that holds it: --set solver.hsllib=..., or pardisolib"
+            mistakes.append(Mistake("solver.linear_solver", f"IPOPT cannot load the linear solver {wanted}", remedy))
     return mistakes
 
 

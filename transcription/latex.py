@@ -6,7 +6,8 @@ r"""The nonlinear program as a LaTeX document: the objective, every constraint a
     initial and final time               t_0, t_F
     static parameter m                   p_m
 
-With several phases the name of the phase is one more subscript.
+Points count from 0, as in the paper: x_0 is the initial state. Segments count from 1, as in tables and messages. With
+several phases the name of the phase is one more subscript.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class _Document:
             mesh = layout.mesh
             methods = ", ".join(dict.fromkeys(scheme.name for scheme in mesh.schemes))
             self.stream.write(
-                f"Phase {escaped(layout.phase.name)}: {methods}; segments 0 to {mesh.segments - 1}, "
+                f"Phase {escaped(layout.phase.name)}: {methods}; segments 1 to {mesh.segments}, "
                 f"points 0 to {len(mesh.fractions) - 1}.\n"
             )
 
@@ -156,7 +157,7 @@ def _labels(family: Family, mesh: Mesh) -> Iterator[str]:
             yield f"{what}, point {np.searchsorted(mesh.fractions, start)}"
         else:
             row = f", row {rows.index(family.row) + 1} of {len(rows)}" if len(rows) > 1 else ""
-            yield f"{what}, segment {np.searchsorted(mesh.edges, start)}{row}"
+            yield f"{what}, segment {np.searchsorted(mesh.edges, start) + 1}{row}"
 
 
 def _bounds(symbol: str, subscripts: tuple[str, ...], lower, upper, points: list) -> Formula:

@@ -114,6 +114,14 @@ class Mesh:
         return tuple(groups)
 
     @cached_property
+    def group_of(self) -> np.ndarray:
+        """The number of the group of each segment, shape (N,)."""
+        numbers = np.empty(self.segments, int)
+        for i, group in enumerate(self.groups):
+            numbers[group.segments] = i
+        return numbers
+
+    @cached_property
     def collocated(self) -> np.ndarray:
         """The numbers of the collocation points."""
         return np.unique(np.concatenate([group.collocated.ravel() for group in self.groups]))

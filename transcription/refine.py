@@ -4,13 +4,15 @@
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
 part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
 tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
-than EXCESS,
+than TOLERATED_EXCESS,
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
         coefficients of f decay fast, and the number of points is that which brings them below the tolerance;
     is split at a kink of its controls, where a constraint becomes active or inactive;
-    is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance.
+    is split into 2, 3 or 4 otherwise, as many as its order needs to reach the tolerance. Neighbours whose method has
+        one degree only are divided together, at a density of segments that follows the error: ten that need 1.2 parts
+        each become 12, not 20.
 
 Where a mesh is not good enough, segments above MARGIN of the tolerance are refined as well. Segments far below the
 tolerance lose points, and neighbours of one scheme that both are far below it are merged. Two things keep this and
@@ -22,9 +24,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 
+from ..problems.problem import TOLERATED_EXCESS
 from .error import ErrorProfile
 from .mesh import Mesh
 from .scheme import FiniteDifference, Scheme
@@ -41,7 +45,9 @@ MARGIN = 0.8  # of the tolerance: what is nearly bad is refined along with what 
 CLOSING_IN = 0.1  # half width of the middle part around a jump, relative to the segment
 SLIVER = 0.02  # of a segment, at least, is cut off at a kink
 STANDS_OUT = 10.0  # times the error of both neighbours: they are good enough to say where a kink between them is
-EXCESS = 1e-4  # relative to 1 + |bound|, on average over the phase
+TARGET = 0.5  # of the tolerance: what the parts of a segment aim at, as their error is not quite what is foreseen
+MOST_PARTS = 4  # of a segment: its error tells no more of meshes much finer
+SAMPLES = 16  # of the density of parts on each segment
 
 Piece = tuple[float, Scheme]
 """Width and scheme of a segment of the next mesh."""
@@ -68,6 +74,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
         segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
         for s in range(trajectory.mesh.segments)
     ]
+    _divide(pieces, segments)
     if merge:
         pieces = _merged(pieces, segments.needless)
     flat = [piece for segment in pieces for piece in segment]
@@ -90,9 +97,9 @@ class _Segments:
 
     @cached_property
     def share(self) -> np.ndarray:
-        """The error over the tolerance, or excess over EXCESS if that is more, shape (N,)."""
+        """The error over the tolerance, or excess over TOLERATED_EXCESS if that is more, shape (N,)."""
         errors = np.where(np.isfinite(self.error.relative), self.error.relative / self.tolerance, np.inf)
-        return np.fmax(errors, self.excess * self.trajectory.mesh.widths / EXCESS)
+        return np.fmax(errors, self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS)
 
     @cached_property
     def bad(self) -> np.ndarray:
@@ -135,9 +142,15 @@ class _Segments:
             return [(width, raised)]
         if kink := self._kink(s):
             return [(width * kink, scheme), (width * (1 - kink), scheme)]
-        # eta of a piece falls as h^(q + 1), q being the order of the interpolant's slope.
-        count = int(np.clip(np.ceil(ratio ** (1 / (len(scheme.c) + 1))), 2, 4)) if np.isfinite(ratio) else 4
-        return [(width / count, scheme)] * count
+        return []
+
+    def parts(self, s: int) -> float:
+        """How many parts of segment s would each have TARGET of the tolerance, at most MOST_PARTS.
+
+        eta of a part falls as h^(q + 1), q being the order of the interpolant's slope.
+        """
+        ratio = self.share[s] / TARGET
+        return float(min(ratio ** (1 / (len(self.trajectory.mesh.schemes[s].c) + 1)), MOST_PARTS))
 
     def _kink(self, s: int) -> float | None:
         """Where on segment s a kink is, if it is what makes the error of this segment."""
@@ -178,12 +191,42 @@ class _Segments:
         """Segment s in words: where it is, and why it is not good enough."""
         knots, error = self.trajectory.knots, self.error
         text = f"segment {s + 1}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
-        if self.excess[s] * self.trajectory.mesh.widths[s] > EXCESS:
+        if self.excess[s] * self.trajectory.mesh.widths[s] > TOLERATED_EXCESS:
             name = max(error.excess, key=lambda name: error.excess[name][s])
             text += f", {name} exceeded by {self.excess[s]:.1e}"
         if jump := self.switches.jump(s):
             text += f", {jump.name} jumps at about t = {knots[s] + jump.tau * self.trajectory.h[s]:.6g}"
         return text
+
+
+def _divide(pieces: list[list[Piece]], segments: _Segments) -> None:
+    """Divide what has no pieces yet: neighbours of one scheme together, so that no two have a part too many.
+
+    Segments with a choice of degree are divided each by itself: they only are where the dynamics are not smooth, and
+    knots that have come near to that place are not to leave it again.
+    """
+    mesh = segments.trajectory.mesh
+    alone = [METHODS[scheme.name].nodes is not None for scheme in mesh.schemes]
+    for (wanted, scheme, _), run in groupby(
+        range(mesh.segments), key=lambda s: (not pieces[s], mesh.schemes[s], alone[s] and s)
+    ):
+        if wanted:
+            numbers = list(run)
+            widths = _spread(mesh.widths[numbers], np.array([segments.parts(s) for s in numbers]))
+            pieces[numbers[0]] = [(width, scheme) for width in widths]
+
+
+def _spread(widths: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """The widths of neighbouring segments, of these widths (k,), divided anew into about that many parts (k,) each.
+
+    Between the middles of the segments the density of parts changes geometrically.
+    """
+    edges = np.concatenate([[0.0], np.cumsum(widths)])
+    t = np.append(np.linspace(edges[:-1], edges[1:], SAMPLES, endpoint=False, axis=1), edges[-1])
+    density = np.exp(np.interp(t, edges[:-1] + widths / 2, np.log(parts / widths)))
+    passed = np.concatenate([[0.0], np.cumsum(np.diff(t) * (density[1:] + density[:-1]) / 2)])
+    count = max(int(np.ceil(passed[-1] - 1e-9)), len(widths) + 1)
+    return np.diff(np.interp(np.linspace(0.0, passed[-1], count + 1), passed, t))
 
 
 def _merged(pieces: list[list[Piece]], needless: np.ndarray) -> list[list[Piece]]:

@@ -177,10 +177,10 @@ def _solve_mesh(
     outcome = settings.run()(nlp, z, lower, upper, options, start=start, scaling=scaling, **watch.callbacks())
     ended = time.perf_counter()
     phases = trajectories(transcription, outcome.z)
+    errors = tuple(map(error_profile, phases))
     if all(isinstance(scheme, Scheme | Shooting) for phase in phases for scheme in phase.mesh.schemes):
         lambdas = costates(transcription, nlp, outcome)
         phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
-    errors = tuple(map(error_profile, phases))
     solution = Solution(
         problem, outcome.status, problem.sense * outcome.objective, phases, errors, (), outcome,
         *diagnose(transcription, nlp, outcome),

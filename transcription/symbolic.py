@@ -75,7 +75,7 @@ class Slots:
 
     def _parameter_slots(self, component):
         values = component.extract_values()
-        return list(values), np.array(self._append(values.values()), dtype=np.intp), list(values.values())
+        return list(values), np.array(self._append(values.values()), dtype=np.intp), np.array(list(values.values()))
 
 
 class _Table:
@@ -86,7 +86,7 @@ class _Table:
     is not compiled.
     """
 
-    def __init__(self, name: str, keys: list, slots: np.ndarray, values: list | None):
+    def __init__(self, name: str, keys: list, slots: np.ndarray, values: np.ndarray | None):
         self.name, self.values = name, values
         positions = list(zip(*keys, strict=True)) if keys and isinstance(keys[0], tuple) else [keys]
         self.codes = [_codes(p) for p in positions]
@@ -104,10 +104,10 @@ class _Table:
         flat = 0
         for (radix, code), i in zip(self.codes, index, strict=True):
             k = code(i) if callable(code) else i - code
-            if k is None or np.any(k < 0) or np.any(k >= radix):
+            if k is None or np.min(k) < 0 or np.max(k) >= radix:
                 raise TemplateError(f"{self.name} has no index {i}")
             flat = flat * radix + k
-        if np.any(self.slots[flat] < 0):
+        if np.min(self.slots[flat]) < 0:
             raise TemplateError(f"{self.name} at index {index} does not exist, or is neither compiled nor fixed")
         return flat
 
@@ -119,7 +119,7 @@ class _Table:
         """The values of a parameter at `index`, in their own type: integers stay integers."""
         if self.values is None:
             raise TemplateError(f"{self.name} is a variable and stands where only data can")
-        return np.array(self.values)[self.order[self._flat(index)]]
+        return self.values[self.order[self._flat(index)]]
 
 
 def _codes(values: Sequence) -> tuple[int, Callable | int]:
@@ -144,6 +144,7 @@ class Arguments:
         self.variable_slots: list[np.ndarray] = []
         self.data_slots: list[np.ndarray] = []
         self._known: dict[Any, se.Symbol] = {}
+        self._looked_up: dict[tuple, np.ndarray] = {}
 
     def translate(self, expression, template: IndexTemplate | None) -> se.Basic:
         """The SymEngine expression of a Pyomo one. Raises TemplateError for what has no exact second derivative."""
@@ -159,7 +160,11 @@ class Arguments:
         if e is template:
             return self.values
         if isinstance(e, GetItemExpression):
-            return self.slots.table(e.args[0]).value_at([self._index(a, template) for a in e.args[1:]])
+            shape = _shape(e, template)
+            if shape not in self._looked_up:
+                index = [self._index(a, template) for a in e.args[1:]]
+                self._looked_up[shape] = self.slots.table(e.args[0]).value_at(index)
+            return self._looked_up[shape]
         if not e.is_expression_type():
             return value(e)
         parts = [self._numbers(a, template) for a in e.args]

@@ -92,6 +92,7 @@ class Trajectory:
         segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, self.mesh.segments - 1)
         return self._sample(segment, (s - edges[segment]) / self.mesh.widths[segment], common=False)
 
+    @np.errstate(all="ignore")  # the last iterate of a failed solve need not be finite
     def _sample(self, segments: np.ndarray, tau: np.ndarray, common: bool) -> Sample:
         """tau is common to all segments, shape (M,), or each segment has one, shape (G,)."""
 
@@ -103,8 +104,9 @@ class Trajectory:
         x, dx = np.empty((2, len(self.x), *t.shape))
         u = np.empty((len(self.u), *t.shape))
         costate = None if self.costate is None else np.empty_like(x)
-        for group in self.mesh.groups:
-            here = np.flatnonzero(np.isin(segments, group.segments))
+        groups = self.mesh.group_of[segments]
+        for number, group in enumerate(self.mesh.groups):
+            here = np.flatnonzero(groups == number)
             if not len(here):
                 continue
             row, h, own = np.searchsorted(group.segments, segments[here]), self.h[segments[here]], tau

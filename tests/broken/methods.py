@@ -1,9 +1,10 @@
 """Mistakes of what a method of solution is asked for: nonsmooth functions, options of the solver."""
 
 from .case import edit, edits, rate_of_v
-from .good import NONSMOOTH
+from .good import GOOD, MODEL, NONSMOOTH
 
-nonsmooth = edits(NONSMOOTH)
+nonsmooth, model = map(edits, (NONSMOOTH, MODEL))
+newton = edits(GOOD.replace("solver: {", "solver: {engine: newton, "))
 
 CONSISTENT = [
     nonsmooth(
@@ -54,6 +55,39 @@ CONSISTENT = [
 
 SOLVERS = [
     edit("another engine", "solver: {", "solver: {engine: snopt, ", "solver.engine", "'ipopt' or 'newton'"),
+    *(
+        newton(f"bounds for Newton, {path}", given, f"{given} ", path, "the Newton engine takes ")
+        for path, given in (
+            ("states.x.lower", "x: {unit: m,"),
+            ("controls.u.lower", "u: {unit: N,"),
+            ("optimize.c.lower", "c: {lower: 0.1,"),
+            ("constraints.path.0", "- {name: speed limit,"),
+            ("constraints.integral.0", "- {expression: power,"),
+        )
+    ),
+    newton(
+        "a free time for Newton",
+        "final: T}",
+        "final: {upper: 3, guess: 2}}",
+        "time.final.upper",
+        "leave out engine: newton",
+    ),
+    nonsmooth(
+        "slack for Newton",
+        "solver: {",
+        "solver: {engine: newton, ",
+        "nonsmooth",
+        "write nonsmooth: {tanh: 0.01}",
+        line=26,
+    ),
+    model(
+        "a model for Newton",
+        "model: five_link_biped",
+        "solver: {engine: newton}\nmodel: five_link_biped",
+        "model",
+        "the inequality foot_leaves_upwards",
+        line=10,
+    ),
     edit("a library", "max_iter: 100", "hsllib: ./evil.so", "solver.hsllib", "--set solver.hsllib=..."),
     edit("a library in capitals", "max_iter: 100", "HSLlib: ./evil.so", "solver.HSLlib", "data, never code"),
     edit(

@@ -24,7 +24,13 @@ KEYS = [
         for kind in ("path", "boundary")
     ),
     raw("only a version", "trajopt: 1\n", ":1: time", "time is missing"),
-    edit("no version", "trajopt: 1\n", "", "trajopt", "add trajopt: version of the file format: 1"),
+    edit(
+        "no version",
+        "trajopt: 1\n",
+        "",
+        "trajopt",
+        "the version of the file format is missing; write trajopt: 1 at the top",
+    ),
     edit("another version", "trajopt: 1", "trajopt: 2", "trajopt", "write trajopt: 1"),
     edit("a misspelt section", "controls:", "contols:", "contols", "did you mean controls?"),
     edit(
@@ -58,7 +64,7 @@ KEYS = [
     ),
     edit("two senses", "objective: {", "objective: {maximize: {integral: v}, ", "objective", "two objectives"),
     edit("an empty objective", TERMS, "{}", "objective.minimize", "add integral: or terminal:"),
-    edit("an objective without terms", TERMS, "u**2", "objective.minimize", "{integral:, terminal:}"),
+    edit("an objective without terms", TERMS, "u**2", "objective.minimize", "for example minimize: {integral: u**2}"),
     edit("fixed and free", "final: d}", "final: {value: d, lower: 0}}", "states.x.final", "keep the value"),
     edit("nothing fixed", "final: d}", "final: {}}", "states.x.final", "nothing is given here"),
     edit("no bound", ", upper: 100", "", "constraints.integral.0", "add lower:, upper: or equals:"),
@@ -67,12 +73,37 @@ KEYS = [
         "a kind of guess", "guess:\n  constants: {u: 1}\n  keyframes:", "guess: random\nother:", "guess", "write linear"
     ),
     edit("a choice", "solver: {", "solver: {accept: good, ", "solver.accept", "'optimal' or 'acceptable'"),
+    edit("a switch that is none", "max_iter", "coarse_start: maybe, max_iter", "solver.coarse_start", "true or false"),
+    edit(
+        "a tolerance for refine", "solver:", "refine: 1e-8\nsolver:", "refine", "for example refine: {tolerance: 1e-8}"
+    ),
+    edit(
+        "no final time",
+        ", final: T}",
+        "}",
+        "time.final",
+        "add for example final: 1, or {lower: 0.5, upper: 3}",
+    ),
+    edit("controls as lists", "u: {unit: N, lower: -u_max, upper: u_max}", "u: [1, 2]", "controls.u", "a mapping, not"),
+    edit(
+        "an objective as a number",
+        "{minimize: " + TERMS + "}",
+        "3",
+        "objective",
+        "not the number 3",
+    ),
+    edit("a British objective", "minimize", "minimise", "objective.minimise", "did you mean minimize?"),
     edit("an option as a list", "max_iter: 100", "max_iter: [1]", "solver.max_iter", "solver's option"),
     edit("the option tol", "max_iter: 100", "tol: 1e-6", "solver.tol", "tolerance: in each entry of mesh:"),
 ]
 
 NUMBERS = [
     edit("NaN", "u_max: 5", "u_max: .nan", "parameters.u_max", "write a finite number"),
+    edit("an infinite parameter", "u_max: 5", "u_max: 1e400", "parameters.u_max", "write a finite number"),
+    edit("no meshes", "solver:", "refine: {max_meshes: 0}\nsolver:", "refine.max_meshes", "from 1 to 100"),
+    edit("meshes in words", "solver:", "refine: {max_meshes: lots}\nsolver:", "refine.max_meshes", "from 1 to 100"),
+    edit("a size of nothing", "mesh:", "scaling: {uu: 3}\nmesh:", "scaling.uu", "did you mean u?"),
+    edit("a size of a parameter", "mesh:", "scaling: {d: 3}\nmesh:", "scaling.d", "those that have one are x, v, u, c"),
     edit("infinity", "upper: 2,", "upper: .inf,", "states.x.upper", "leave the key out"),
     edit("a tolerance of NaN", "tolerance: 1e-8", "tolerance: .nan", "mesh.0.tolerance", "finite number"),
     edit("a tolerance of zero", "tolerance: 1e-8", "tolerance: 0", "mesh.0.tolerance", "out of range"),

@@ -1,0 +1,49 @@
+"""All commands of trajopt."""
+
+from __future__ import annotations
+
+import logging
+from typing import Annotated
+
+import typer
+
+from . import files, inspect, plot, verify
+from .compare import compare
+from .reproduce import reproduce
+from .solve import solve
+
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it made itself a cache folder, if the home is no place
+
+app = typer.Typer(
+    name="trajopt",
+    help="Trajectory optimization from a problem file: direct collocation, Pyomo, IPOPT, HDF5.",
+    epilog="Exit codes: 0 solved; 1 not solved (the result is still written); 2 mistake in the file or on the "
+    "command line; 3 a file cannot be read or written; 130 interrupted (the last iterate is written).",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+for function in (
+    solve, files.check, inspect.show, verify.verify, compare, plot.plot, plot.animate, reproduce,
+    inspect.list_, inspect.methods, inspect.schema, files.export, files.init,
+):  # fmt: skip
+    app.command(name=function.__name__.rstrip("_"))(function)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"trajopt {version('trajopt')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
