@@ -57,11 +57,12 @@ def test_every_shipped_problem_ends_as_its_file_says(name):
 
 @pytest.mark.parametrize("name", shipped())
 def test_separated_and_compressed_form_are_one_method(name):
-    _, separated = run(name, f"mesh.*.method={HS}")
-    _, compressed = run(name, f"mesh.*.method={HS}-compressed")
+    """On one mesh: refinement would give the two forms meshes that differ by rounding, and grow from there."""
+    _, separated = run(name, "refine=", f"mesh.*.method={HS}")
+    _, compressed = run(name, "refine=", f"mesh.*.method={HS}-compressed")
     assert compressed.objective == pytest.approx(separated.objective, abs=2e-7 * (1 + abs(separated.objective)))
     for a, b in zip(separated.trajectories, compressed.trajectories, strict=True):
-        assert b.x == pytest.approx(a.x, abs=2e-4)
+        assert b.x == pytest.approx(a.x, abs=2e-5)
 
 
 def test_cartpole_error_estimate():

@@ -14,7 +14,7 @@ from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.refine import MARGIN, MERGE_MARGIN, refine
 from trajopt.transcription.schemes import find
 from trajopt.transcription.settings import Refine, Settings, Step, settings_of, steps
-from trajopt.transcription.solve import solve
+from trajopt.transcription.solve import LOOSE, solve
 
 
 def run(name: str, *overrides: str):
@@ -136,6 +136,22 @@ def test_what_a_switch_needs_is_not_moved_by_its_neighbours():
     refined = refine(trajectory, error, 1e-6, merge=False).mesh
     assert refined.segments > 30
     assert np.isin(trajectory.mesh.edges.round(12), refined.edges.round(12)).all()
+
+
+def test_meshes_on_the_way_are_solved_loosely_and_the_last_one_is_not():
+    solution = solve(growth(), [Step("hermite-simpson", 2, 1e-10)], Settings(refine=Refine(1e-9)))
+    assert [record.tolerance for record in solution.meshes] == [1e-10, LOOSE, LOOSE, 1e-10]
+    assert solution.outcome.iterations["dual_infeasibility"][-1] < 1e-10
+
+
+def test_a_mesh_that_turns_out_to_be_the_last_is_solved_again():
+    """30 segments should just miss 3e-5, and meet it."""
+    schedule = "mesh=[{method: finite-difference, segments: 15, tolerance: 1e-9}]"
+    solution = run("pendulum", schedule, "refine.tolerance=3e-5")
+    assert not solution.unmet
+    *_, before, last = solution.meshes
+    assert before.mesh.segments == last.mesh.segments
+    assert (before.tolerance, last.tolerance) == (LOOSE, 1e-9)
 
 
 def test_neighbours_are_merged_only_far_below_the_tolerance():

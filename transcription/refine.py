@@ -55,31 +55,36 @@ Piece = tuple[float, Scheme]
 
 @dataclass(frozen=True)
 class Refinement:
-    """The next mesh, and the segments of this one that exceed the tolerance, in words; none if the mesh is good."""
+    """The next mesh, and the segments of this one that exceed the tolerance, in words; none if the mesh is good.
+
+    enough: whether the next mesh can be expected to be good.
+    """
 
     mesh: Mesh
     unmet: tuple[str, ...]
+    enough: bool
 
 
 def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
     """The mesh to solve on next; pure, it changes nothing. merge: whether segments may lose points and be merged."""
     segments = _Segments(trajectory, error, tolerance)
     if not len(segments.bad):
-        return Refinement(trajectory.mesh, ())
+        return Refinement(trajectory.mesh, (), True)
     told = tuple(map(segments.told, segments.bad))
     if isinstance(scheme := trajectory.mesh.schemes[0], FiniteDifference):  # it needs equal segments
-        return Refinement(Mesh.of(scheme, 2 * trajectory.mesh.segments), told)
+        return Refinement(Mesh.of(scheme, 2 * trajectory.mesh.segments), told, segments.parts(segments.bad[0]) <= 2)
     near = segments.share > MARGIN
     pieces = [
         segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
         for s in range(trajectory.mesh.segments)
     ]
+    enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near))
     _divide(pieces, segments)
     if merge:
         pieces = _merged(pieces, segments.needless)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
-    return Refinement(Mesh(schemes, widths), told)
+    return Refinement(Mesh(schemes, widths), told, enough)
 
 
 @dataclass(frozen=True)
