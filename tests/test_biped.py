@@ -1,96 +1,17 @@
-"""The five-link biped: its mechanics against derivations by Lagrange, its optimal gait against independent values."""
+"""The five-link biped: its mechanics against derivations by Lagrange, and what a model says of itself."""
 
-from decimal import Decimal
 from functools import cache
 
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
+from walker import LINKS, LOPSIDED, Q0, TABLE_4, G, T, biped, parameters
 
 from trajopt.problems.errors import SpecError
 from trajopt.problems.models import MODELS, find
-from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Phase
 from trajopt.transcription.implicit import consistent_inputs
-from trajopt.transcription.settings import Step
-from trajopt.transcription.solve import solve
-
-HS = "hermite-simpson"
-LINKS = range(1, 6)
-TABLE_4 = {
-    "m": (3.2, 6.8, 20.0, 6.8, 3.2),
-    "I": (0.93, 1.08, 2.22, 1.08, 0.93),
-    "l": (0.4, 0.4, 0.625, 0.4, 0.4),
-    "d": (0.128, 0.163, 0.2, 0.163, 0.128),
-}
-LOPSIDED = {  # no two links alike: nothing may be right by symmetry
-    "m": (3.2, 6.8, 20.0, 5.1, 2.3),
-    "I": (0.93, 1.08, 2.22, 0.71, 0.55),
-    "l": (0.41, 0.37, 0.625, 0.44, 0.39),
-    "d": (0.128, 0.163, 0.2, 0.21, 0.19),
-}
-G, STEP, T = 9.81, 0.5, 0.7
-Q0 = np.array([-0.3, 0.7, 0.0, -0.5, -0.6])  # (7.8)
-SUPPLEMENT = {"d3": 0.425}
-BOUNDS = {"q": Range(-np.pi / 2, np.pi / 2), "dq": Range(-10, 10), "ddq": Range(), "u": Range(-100, 100)}
-KNEES = (
-    Constraint("stance_knee", lambda v, m: v["q1"] - v["q2"], Range(upper=0)),
-    Constraint("swing_knee", lambda v, m: v["q5"] - v["q4"], Range(upper=0)),
-)
-
-
-# -- the problem, built without a problem file ---
-
-
-def parameters(table=TABLE_4, **changes) -> dict[str, float]:
-    rows = {f"{symbol}{i}": value for symbol, row in table.items() for i, value in zip(LINKS, row, strict=True)}
-    return {**rows, "g": G, "step_length": STEP, **changes}
-
-
-def biped(path=(), table=TABLE_4, **changes) -> Problem:
-    """The walking problem of the paper's section 7, for Table 4 with some parameters changed."""
-    model = find("five_link_biped")
-    equations = model.build(parameters(table, **changes))
-    ranges = {name: BOUNDS[name[:-1]] for name in (*model.states, *model.controls, *model.algebraic)}
-    ranges["u1"] = Range(0, 0)  # the ankle has no motor
-    keyframes = np.array([Q0, Q0[::-1]])  # (7.8), (7.9)
-    guess = dict.fromkeys((*model.controls, *model.algebraic), np.zeros(2))  # (7.11)
-    guess |= {f"q{i}": keyframes[:, i - 1] for i in LINKS}
-    guess |= {f"dq{i}": np.full(2, (keyframes[1] - keyframes[0])[i - 1] / T) for i in LINKS}  # (7.10)
-    phase = Phase(
-        name="main",
-        initial_time=Range(0, 0),
-        final_time=Range(T, T),
-        states=tuple(
-            State(name, bounds=ranges[name], rate=rate, initial=ranges[name], final=ranges[name])
-            for name, rate in equations.rates.items()
-        ),
-        controls=tuple(Variable(name, bounds=ranges[name]) for name in model.controls),
-        guess=Guess(0, T, np.array([0.0, 1.0]), guess),
-        algebraic=tuple(map(Variable, model.algebraic)),
-        residuals=tuple(Constraint(name, f, Range(0, 0)) for name, f in equations.residuals.items()),
-        path=tuple(path),
-        boundary=tuple(Constraint(name, f, bounds) for name, (f, bounds) in equations.boundary.items()),
-        lagrange=lambda v, m: sum(v[f"u{i}"] ** 2 for i in LINKS),  # (7.1)
-    )
-    return Problem("biped", 1, (phase,))
-
-
-def run(problem: Problem, *schedule: tuple):
-    solution = solve(problem, [Step(*entry) for entry in schedule])
-    assert solution.solved, solution.status
-    return solution
-
-
-@cache
-def table_4_gait():
-    return run(biped(), (HS, 25, 1e-8))
-
-
-@cache
-def supplement_gait():
-    return run(biped(KNEES, **SUPPLEMENT), (HS, 25, 1e-8))
-
 
 # -- mechanics, derived a second time: a chain that floats freely, by Lagrange ---
 
@@ -222,121 +143,6 @@ def test_passive_swing_keeps_its_energy():
     energy = np.array([floating("table 4").at(x[:5], x[5:])[2] for x in swing.y.T])
     assert np.abs(swing.y[:5, -1] - Q0).max() > 0.2
     assert energy == pytest.approx(energy[0], rel=1e-8)
-
-
-# -- the gait ---
-
-REFERENCES = [  # walker, method, segments, objective as printed: half a unit of the last digit is the tolerance
-    ("table 4", HS, 5, "390.73094"),
-    ("table 4", HS, 15, "390.78984"),
-    ("table 4", HS, 25, "390.79044"),
-    ("table 4", HS, 60, "390.79053"),
-    ("table 4", "trapezoid", 24, "393.497"),
-    ("table 4", "trapezoid", 24, "393.49732"),
-    ("table 4", "trapezoid", 100, "390.96116"),
-    ("table 4, knees", HS, 25, "390.79044"),
-    ("supplement", HS, 25, "469.50107"),
-    ("supplement, knees", HS, 5, "469.46885"),
-    ("supplement, knees", HS, 15, "469.64333"),
-    ("supplement, knees", HS, 25, "469.64678"),
-    ("supplement, knees", HS, 60, "469.6500"),
-    ("supplement, knees", "trapezoid", 24, "473.865"),
-    ("supplement, knees", "trapezoid", 24, "473.86487"),
-    ("supplement, knees", "trapezoid", 100, "469.91994"),
-]
-
-
-@pytest.mark.parametrize(("walker", "method", "segments", "printed"), REFERENCES)
-def test_reference_value(walker, method, segments, printed):
-    """Computed independently of trajopt with CasADi and IPOPT, tol 1e-8."""
-    problem = biped(KNEES if "knees" in walker else (), **SUPPLEMENT if "supplement" in walker else {})
-    solution = run(problem, (method, segments, 1e-8))
-    half_a_unit = 0.5 * 10.0 ** Decimal(printed).as_tuple().exponent
-    assert solution.objective == pytest.approx(float(printed), rel=0, abs=half_a_unit * 1.001)
-
-
-PRINTED = {  # x(0), dq(T), u(0), u(T), greatest height of the swing foot, greatest eta of q1 to q5; 25 segments
-    table_4_gait: {
-        "x0": [0.07129, 0.50165, -0.22793, -0.35099, -0.36192, -1.20789, -1.07960, 0.23077, -0.58534, -1.91620],
-        "dq_final": [-2.05706, -1.52743, 1.07607, -1.96205, 3.57032],
-        "u0": [0, -22.955, 41.965, 8.670, 12.613],
-        "u_final": [0, 13.452, 8.722, -22.109, 9.460],
-        "height": 0.0704,
-        "eta": [3.8e-6, 3.9e-6, 1.2e-6, 1.7e-6, 1.8e-6],
-    },
-    supplement_gait: {
-        "x0": [0.08645, 0.49319, -0.12735, -0.34672, -0.35800, -1.50587, -0.60570, 0.01500, -0.54394, -2.01556],
-        "dq_final": [-2.17582, -1.62054, 1.02672, -1.37964, 2.99184],
-        "u0": [0, -25.118, 53.669, 1.696, 16.103],
-        "u_final": [0, 14.362, 8.233, -22.671, 7.585],
-        "height": 0.0712,
-        "eta": [9.4e-6, 1.02e-5, 1.8e-6, 2.3e-6, 1.7e-6],
-    },
-}
-
-
-@pytest.mark.parametrize("gait", PRINTED)
-def test_gait(gait):
-    (trajectory,), printed = gait().trajectories, PRINTED[gait]
-    x, u = trajectory.x, trajectory.u
-    assert x[:, 0] == pytest.approx(printed["x0"], abs=5.1e-6)
-    assert x[:5, -1] == pytest.approx(x[4::-1, 0], abs=1e-9)
-    assert x[5:, -1] == pytest.approx(printed["dq_final"], abs=5.1e-6)
-    assert u[:5, 0] == pytest.approx(printed["u0"], abs=5.1e-4)
-    assert u[:5, -1] == pytest.approx(printed["u_final"], abs=5.1e-4)
-
-
-@pytest.mark.parametrize("gait", PRINTED)
-def test_foot_stays_above_the_ground(gait):
-    """(7.5) holds without being asked for."""
-    (trajectory,) = gait().trajectories
-    dense = trajectory.dense
-    foot_y = find("five_link_biped").build(parameters()).outputs["foot_y"]
-    y = foot_y(trajectory.phase.values(dense.t, dense.x, dense.u, {}), np)
-    assert y.max() == pytest.approx(PRINTED[gait]["height"], abs=5.1e-5)
-    assert y[1:-1].min() > 0
-    assert (y[0], y[-1]) == pytest.approx((0, 0), abs=1e-8)
-
-
-@pytest.mark.parametrize("gait", PRINTED)
-def test_error_estimate(gait):
-    """The right side of Figure 15, computed independently; all digits given."""
-    (error,) = gait().errors
-    printed = np.array(PRINTED[gait]["eta"])
-    assert np.all(np.abs(error.eta.max(axis=1)[:5] - printed) <= 0.51e-7)
-
-
-def test_both_meshes_of_the_paper():
-    """5 segments to 1e-3, then 25 to 1e-6; the paper's solver needs 29 and 56 iterations, 0.96 s and 21.3 s."""
-    solution = run(biped(), (HS, 5, 1e-3), (HS, 25, 1e-6))
-    assert solution.objective == pytest.approx(390.79044, abs=5e-6)
-    assert [mesh.iterations < 30 for mesh in solution.meshes] == [True, True]
-    for mesh in solution.meshes:
-        parts = ", ".join(f"{name} {seconds:.3f}" for name, seconds in mesh.seconds.items())
-        total = sum(mesh.seconds.values())
-        print(f"{mesh.mesh.segments} segments: {mesh.iterations} iterations, {total:.3f} s: {parts}")
-
-
-def test_compressed_form_finds_the_same_gait():
-    """The midpoint states are eliminated; the accelerations at the midpoints stay unknown."""
-    assert run(biped(), (f"{HS}-compressed", 25, 1e-8)).objective == pytest.approx(390.79044, abs=5e-6)
-
-
-def test_foot_clearance_over_a_bump():
-    """(7.7): the swing foot stays above h (1 - (x / step length)^2), written with the outputs of the model."""
-    outputs = find("five_link_biped").build(parameters()).outputs
-
-    def clearance(values, functions):
-        x, y = (outputs[name](values, functions) for name in ("foot_x", "foot_y"))
-        return y - 0.08 * (1 - (x / STEP) ** 2)
-
-    solution = run(biped([Constraint("clearance", clearance, Range(lower=0))]), (HS, 15, 1e-8))
-    (trajectory,) = solution.trajectories
-    values = trajectory.phase.values(trajectory.times, trajectory.x, trajectory.u, {})
-    margin = clearance(values, np)
-    assert margin.min() > -1e-7
-    assert np.sum(margin < 1e-6) > 2
-    assert solution.objective > 391
 
 
 # -- the contract of a model ---
