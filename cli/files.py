@@ -18,7 +18,13 @@ def check(files: Files, *, set_: Set = ()) -> None:
 
     Example: trajopt check my_problem.yaml
     """
+    from ..problems.build import build_all
+    from ..transcription.settings import steps
+    from ..transcription.solve import planned
+
     for spec in load_all(files, list(set_)):
+        with located(spec):
+            planned(build_all(spec), steps(spec.mesh))
         for warning in spec.warnings:
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
         counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))

@@ -15,13 +15,16 @@ def test_the_good_file_is_good(tmp_path):
     assert not load(path, methods=broken.METHODS).warnings
 
 
+HUNG = 60  # seconds; no measure of speed: some of the files are made to keep a reader busy for ever
+
+
 @pytest.mark.parametrize("case", broken.CASES, ids=lambda case: case.name)
 def test_broken_file(case, tmp_path):
     path = broken.write(case, tmp_path)
     start = time.perf_counter()
     with pytest.raises({"spec": SpecError, "file": FileError}[case.kind]) as error:
         load(path, case.overrides, broken.METHODS)
-    assert time.perf_counter() - start < 2
+    assert time.perf_counter() - start < HUNG
     place = case.place if case.place.startswith("--set") else f"{path}{case.place}"
     sentences = [str(mistake) for mistake in error.value.mistakes]
     assert any(s.startswith(place) and case.says in s for s in sentences), "\n".join(sentences)

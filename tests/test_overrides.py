@@ -80,6 +80,16 @@ def test_all_that_newton_cannot_do_is_told_at_once(folder):
     assert told == ["3: states.v.initial.lower", "4: controls.u.upper", "8: constraints.path.0"]
 
 
+def test_what_a_method_cannot_do_is_told_by_check_at_its_mesh(folder):
+    meshes = ("{method: radau, segments: 5}", "{method: finite-difference, segments: 1}")
+    (folder / "plain.yaml").write_text(PLAIN + "mesh:\n" + "".join(f"  - {mesh}\n" for mesh in meshes))
+    run = trajopt("check", "plain.yaml")
+    assert run.exit_code == 2
+    needs, equal = run.stderr.splitlines()
+    assert needs.startswith("error: plain.yaml:8: mesh.1: finite-difference needs second-order dynamics")
+    assert equal.startswith("error: plain.yaml:8: mesh.1: finite-difference needs two or more equal segments")
+
+
 def test_what_only_the_solution_finds_names_the_file(folder):
     (folder / "plain.yaml").write_text(PLAIN)
     run = trajopt("solve", "plain.yaml", "--method", "finite-difference")
@@ -88,4 +98,4 @@ def test_what_only_the_solution_finds_names_the_file(folder):
     (folder / "plain.yaml").write_text(PLAIN + "mesh:\n  - {method: finite-difference, segments: 5}\n")
     run = trajopt("solve", "plain.yaml")
     assert run.exit_code == 2
-    assert run.stderr.startswith("error: plain.yaml:6: mesh: finite-difference needs")
+    assert run.stderr.startswith("error: plain.yaml:7: mesh.0: finite-difference needs")

@@ -10,33 +10,38 @@ With K equally spaced points, dt = (tF - t0) / (K - 1) and a(t, x, dx/dt, u) the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pyomo.core as pyomo
 from pyomo.core import RangeSet
 
-from ..problems.errors import Mistake, SpecError
-from ..problems.problem import State
+from ..problems.errors import Mistake
+from ..problems.problem import Phase, State
 from .builder import PhaseBuilder, Place
+from .mesh import Mesh
 from .templates import item
 
 
-class DifferenceBuilder(PhaseBuilder):
-    """Fills the block of one phase whose states are positions and their velocities.
+def refused(phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+    """Why a phase or a mesh is none for finite differences."""
+    positions = {state.velocity_of for state in phase.states}
+    alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
+    if alone:
+        what = f"finite-difference needs second-order dynamics, and '{alone[0]}' has none"
+        yield Mistake("mesh", what, f"give '{alone[0]}' accel: instead of rate:, or take another method")
+    if mesh.segments < 2 or np.ptp(mesh.widths) > 1e-12:
+        what = "finite-difference needs two or more equal segments"
+        yield Mistake("mesh", what, "give segments: as a number, or take another method")
 
-    Raises SpecError for other states, for unequal segments, and for fewer than two of them.
-    """
+
+class DifferenceBuilder(PhaseBuilder):
+    """Fills the block of one phase whose states are positions and their velocities, on equal segments."""
 
     def __init__(self, *args):
         super().__init__(*args)
         velocities = {state.velocity_of: state for state in self.phase.states if state.velocity_of}
         self.pairs = [(s, velocities[s.name]) for s in self.phase.states if s.name in velocities]
-        if 2 * len(self.pairs) != len(self.phase.states):
-            alone = next(s.name for s in self.phase.states if s.name not in velocities and not s.velocity_of)
-            what = f"finite-difference needs second-order dynamics, and '{alone}' has none"
-            raise SpecError(Mistake("mesh", what, f"give '{alone}' accel: instead of rate:, or take another method"))
-        if self.mesh.segments < 2 or np.ptp(self.mesh.widths) > 1e-12:
-            what = "finite-difference needs two or more equal segments"
-            raise SpecError(Mistake("mesh", what, "give segments: as a number, or take another method"))
 
     @property
     def dt(self):

@@ -16,14 +16,14 @@ times and the parameters.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, prod
 from typing import NamedTuple
 
 import numpy as np
 
-from ..problems.errors import Mistake, SpecError
+from ..problems.errors import Mistake
 from ..problems.problem import Constraint, Phase, Problem, Range
 from .builder import Family
 from .mesh import Mesh
@@ -71,12 +71,7 @@ class ShootingTranscription(Transcription):
 
 
 def transcribe(problem: Problem, meshes: Sequence[Mesh], guess: Sequence) -> ShootingTranscription:
-    """Transcribe a problem on one mesh for each of its phases, all of shooting schemes; guess as in `transcribe`.
-
-    Raises SpecError for a program too large to hold, and for algebraic variables with a piecewise constant control.
-    """
-    for phase, mesh in zip(problem.phases, meshes, strict=True):
-        _check(problem, phase, mesh)
+    """Transcribe a problem on one mesh for each of its phases, all of shooting schemes; guess as in `transcribe`."""
     variables, phases, rows, families = [], [], [], []
 
     def place(bounds: Range, value: float) -> int:
@@ -103,7 +98,8 @@ def path_constraints(phase: Phase) -> list[tuple[str, Constraint]]:
     return [("residual", c) for c in phase.residuals] + [("path", c) for c in phase.path]
 
 
-def _check(problem: Problem, phase: Phase, mesh: Mesh) -> None:
+def refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+    """Why a phase cannot be simulated on a mesh."""
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:
@@ -111,13 +107,13 @@ def _check(problem: Problem, phase: Phase, mesh: Mesh) -> None:
         if phase.algebraic and scheme.control == "constant":
             name = phase.algebraic[0].name
             what = f"constant controls on substeps cannot follow algebraic variables such as '{name}'"
-            raise SpecError(Mistake("mesh.control", what, "write control: linear or quadratic"))
+            yield Mistake("mesh.control", what, "write control: linear or quadratic")
         y = n + n_u * len(scheme.c) + n_p + 2
         size = len(group.segments) * scheme.substeps * len(scheme.table.b) * (2 * n + n_u + n_p + 2) * y
         if size > MAX_TANGENTS:
             count = len(group.segments)
             what = f"{scheme.substeps} substeps on {count} segments have {size} derivatives, more than trajopt takes"
-            raise SpecError(Mistake("mesh", what, "use more segments of fewer substeps each"))
+            yield Mistake("mesh", what, "use more segments of fewer substeps each")
 
 
 def _lay_out(phase: Phase, mesh: Mesh, guess, place) -> Layout:

@@ -12,6 +12,7 @@ from itertools import count
 
 import numpy as np
 
+from ..problems.errors import SpecError
 from ..problems.problem import Problem
 from .compiler import CompiledNLP
 from .costate import costates
@@ -25,7 +26,7 @@ from .scaling import scale
 from .scheme import Scheme
 from .settings import DEFAULT, Settings, Step
 from .trajectory import Trajectory, trajectories
-from .transcribe import Transcription, check_size, compiled, transcribe
+from .transcribe import Transcription, compiled, refused, transcribe
 from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
@@ -81,6 +82,23 @@ class Solution:
         return max(error.max_eta for error in self.errors)
 
 
+def planned(problem: Problem | Sequence[Problem], schedule: Sequence[Step]) -> list[tuple[Problem, list[Mesh], float]]:
+    """The problem, the mesh of each phase and the tolerance of each solve.
+
+    Raises SpecError with all that cannot be transcribed, at its entry of the schedule, before anything is solved.
+    """
+    problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
+    steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
+    mistakes = [
+        replace(mistake, where=mistake.where.replace("mesh", f"mesh.{number}", 1))
+        for number, (own, meshes, _) in enumerate(steps)
+        for mistake in refused(own, meshes)
+    ]
+    if mistakes:
+        raise SpecError(mistakes)
+    return steps
+
+
 def solve(
     problem: Problem | Sequence[Problem],
     schedule: Sequence[Step],
@@ -97,11 +115,7 @@ def solve(
     asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
     told by the status. The history tells of every mesh solved, a coarse one before a large first one too.
     """
-    problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
-    history, solved, unmet = [], None, ()
-    steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
-    for large, meshes, _ in steps:
-        check_size(large, meshes)
+    steps, history, solved, unmet = planned(problem, schedule), [], None, ()
     for number in count():
         problem, meshes, tolerance = steps[number]
         run = _solve_large if _starts_coarse(meshes, settings, guess) else _solve_mesh

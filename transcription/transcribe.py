@@ -9,7 +9,7 @@ that IPOPT factorises is banded with a narrow border.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 
@@ -21,6 +21,7 @@ from ..problems.problem import Phase, Problem
 from .builder import Family, bound
 from .collocation import CollocationBuilder
 from .finite_difference import DifferenceBuilder
+from .finite_difference import refused as not_for_differences
 from .mesh import Mesh
 from .runge_kutta import Shooting
 from .scheme import FiniteDifference
@@ -63,9 +64,10 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
 
     guess: one for each phase, with the methods of `problems.problem.Guess`; by default the problem's own.
     templates=False gives an ordinary, expanded Pyomo model, for Pyomo's writers.
-    Raises SpecError if the nonlinear program would be too large to hold.
+    Raises SpecError if there is no such nonlinear program, or it would be too large to hold.
     """
-    check_size(problem, meshes)
+    if mistakes := list(refused(problem, meshes)):
+        raise SpecError(mistakes)
     guess = guess or [phase.guess for phase in problem.phases]
     if isinstance(meshes[0].schemes[0], Shooting):
         return _transcribe_shooting(problem, meshes, guess, templates)
@@ -111,15 +113,23 @@ def _builder(mesh: Mesh) -> type:
     return DifferenceBuilder if isinstance(mesh.schemes[0], FiniteDifference) else CollocationBuilder
 
 
-def check_size(problem: Problem, meshes: Sequence[Mesh]) -> None:
-    """Raises SpecError if the nonlinear program would be too large to hold."""
+def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
+    """Why a problem cannot be transcribed on these meshes."""
     unknowns = sum(
         len(mesh.fractions) * (len(phase.states) + len(phase.inputs))
         for phase, mesh in zip(problem.phases, meshes, strict=True)
     )
     if unknowns > MAX_UNKNOWNS:
         what = f"{unknowns} unknowns are more than the {MAX_UNKNOWNS} that trajopt takes"
-        raise SpecError(Mistake("mesh", what, "use fewer segments"))
+        yield Mistake("mesh", what, "use fewer segments")
+    for phase, mesh in zip(problem.phases, meshes, strict=True):
+        scheme = mesh.schemes[0]
+        if isinstance(scheme, FiniteDifference):
+            yield from not_for_differences(phase, mesh)
+        elif isinstance(scheme, Shooting):
+            from .shooting import refused as not_for_shooting
+
+            yield from not_for_shooting(problem, phase, mesh)
 
 
 def _lay_out(problem: Problem, model: ConcreteModel, builders: Sequence) -> Transcription:
