@@ -23,7 +23,7 @@ from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, loc
 if TYPE_CHECKING:
     from ..problems.problem import Guess, Problem
     from ..problems.spec import Spec
-    from ..transcription.solve import Solution
+    from ..transcription.solution import Solution
 
 NAMES = "Problem files, or names from 'trajopt list'."
 Files = Annotated[list[str], typer.Argument(metavar="FILE|NAME...", help=NAMES, show_default=False)]

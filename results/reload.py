@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
@@ -13,11 +13,9 @@ from ..problems.load import load_text
 from ..problems.problem import Problem
 from ..problems.spec import Spec
 from ..transcription.compiler import CompiledNLP
-from ..transcription.costate import costates
+from ..transcription.costate import with_costates
 from ..transcription.mesh import Mesh
 from ..transcription.outcome import Outcome, Status
-from ..transcription.runge_kutta import Shooting
-from ..transcription.scheme import Scheme
 from ..transcription.schemes import find
 from ..transcription.trajectory import Trajectory, trajectories
 from ..transcription.transcribe import Transcription, compiled, transcribe
@@ -70,8 +68,5 @@ def reload(path: Path) -> Reloaded:
     problem = build(spec)
     transcription = transcribe(problem, [mesh] * len(problem.phases))
     nlp = compiled(transcription)
-    phases = trajectories(transcription, outcome.z)
-    if all(isinstance(scheme, Scheme | Shooting) for scheme in mesh.schemes):
-        lambdas = costates(transcription, nlp, outcome)
-        phases = tuple(replace(phase, costate=costate) for phase, costate in zip(phases, lambdas, strict=True))
+    phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved, overrides)

@@ -46,7 +46,7 @@ from ..transcription.runge_kutta import Shooting
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ..problems.problem import Phase, Problem, Variable
     from ..transcription.error import ErrorProfile
-    from ..transcription.solve import MeshRecord, Solution
+    from ..transcription.solution import MeshRecord, Solution
     from ..transcription.trajectory import Trajectory
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1

@@ -8,10 +8,11 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.mesh import Mesh
+from trajopt.transcription.one_mesh import COARSE, LARGE
 from trajopt.transcription.outcome import Status
 from trajopt.transcription.schemes import find
 from trajopt.transcription.settings import Settings, Step, settings_of
-from trajopt.transcription.solve import COARSE, LARGE, solve
+from trajopt.transcription.solve import solve
 
 BIG = Step("trapezoid", 500, 1e-8)
 

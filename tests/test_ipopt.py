@@ -14,8 +14,8 @@ from trajopt.transcription.compiler import CompiledNLP
 from trajopt.transcription.ipopt import COLUMNS, Start, check_options
 from trajopt.transcription.outcome import Status
 from trajopt.transcription.settings import Settings, Step
-from trajopt.transcription.solve import bounded_start, solve
-from trajopt.transcription.transcribe import transcribe
+from trajopt.transcription.solve import solve
+from trajopt.transcription.transcribe import bounded_start, transcribe
 
 STEP = Step("hermite-simpson", 10, 1e-8)
 

@@ -13,8 +13,8 @@ from trajopt.results.store import write
 from trajopt.transcription.compiler import CompiledNLP
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import settings_of, steps
-from trajopt.transcription.solve import bounded_start, solve
-from trajopt.transcription.transcribe import transcribe
+from trajopt.transcription.solve import solve
+from trajopt.transcription.transcribe import bounded_start, transcribe
 
 BAD_UNITS = """
 trajopt: 1

@@ -11,8 +11,7 @@ from trajopt.transcription.family import NotFinite
 from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.schemes import find
 from trajopt.transcription.settings import Step
-from trajopt.transcription.solve import bounded_start
-from trajopt.transcription.transcribe import compiled, transcribe
+from trajopt.transcription.transcribe import bounded_start, compiled, transcribe
 
 
 def two_phases() -> Problem:

@@ -2,10 +2,10 @@
 
     minimise f(z)   subject to   cl <= g(z) <= cu
 
-Constraints that share an index set are one Family: y[s] = F(z[columns[s]], data[s]) for every s in the set. SymEngine
+Constraints that share an index set are one family: y[s] = F(z[columns[s]], data[s]) for every s in the set. SymEngine
 differentiates F once, its LLVM backend compiles F, its Jacobian and its weighted Hessian, and each is evaluated for
-all s in one call. A sum over a Set, in the objective or in a scalar constraint, is a Family whose values are added
-into one row. Rows of a Family are contiguous and run over its components first, then over s:
+all s in one call. A sum over a Set, in the objective or in a scalar constraint, is a family whose values are added
+into one row. Rows of a family are contiguous and run over its components first, then over s:
 
     row = first row + s * (number of components) + component,
 
@@ -27,19 +27,16 @@ from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types
 from pyomo.core.expr.template_expr import TemplateSumExpression
 
-from .family import Entries, Family, NotFinite
+from .family import CompiledFamily, Entries, NotFinite
 from .machine_code import available_backend, compile_family, timing
 from .symbolic import Arguments, Slots
 from .templates import TemplateError, linear_parts, template_of
 
 
 def _callback(method: Callable) -> Callable:
-    name = method.__name__
-
     @wraps(method)
     def call(self, *args):
         start = time.perf_counter()
-        self.calls[name] += 1
         try:
             return method(self, *args)
         finally:
@@ -60,12 +57,11 @@ class CompiledNLP:
 
     def __init__(self, model, variables: Sequence, backend: str | None = None):
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
-        self.calls = dict.fromkeys(("objective", "gradient", "constraints", "jacobian", "hessian"), 0)
         self.n, self.m = len(variables), 0
         self._backend = backend or available_backend()
         self._slots = Slots(variables)
-        self._row_families: list[Family] = []
-        self._sum_families: list[Family] = []
+        self._row_families: list[CompiledFamily] = []
+        self._sum_families: list[CompiledFamily] = []
         self._rows: dict[int, np.ndarray] = {}
         sums = self._add_constraints(model)
         self._sum_families += self._add_sums(sums)
@@ -104,7 +100,7 @@ class CompiledNLP:
         self._row_families.append(self._family(components, over, arguments, outputs, rows))
         return bounds.reshape(2, -1)
 
-    def _add_sums(self, sums: list) -> list[Family]:
+    def _add_sums(self, sums: list) -> list[CompiledFamily]:
         """A family for each Set that is summed over, with one output for each row it adds to."""
         groups: dict[int, list] = {}
         for term in sums:
@@ -122,7 +118,7 @@ class CompiledNLP:
             families.append(self._family(list(components.values()), over, arguments, list(outputs.values()), rows))
         return families
 
-    def _add_objective(self, model) -> list[Family]:
+    def _add_objective(self, model) -> list[CompiledFamily]:
         objectives = list(model.component_objects(Objective, active=True))
         if len(objectives) != 1 or objectives[0].is_indexed() or objectives[0].sense != minimize:
             raise TemplateError(f"one scalar objective to minimise is wanted, found {[c.name for c in objectives]}")
@@ -138,11 +134,11 @@ class CompiledNLP:
     def _arguments(self, over) -> Arguments:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
-    def _family(self, components, over, arguments, outputs, rows) -> Family:
+    def _family(self, components, over, arguments, outputs, rows) -> CompiledFamily:
         code = compile_family(
             [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
         )
-        return Family(components, over, arguments, rows, code)
+        return CompiledFamily(components, over, arguments, rows, code)
 
     def _prepare(self) -> None:
         self._families = self._row_families + self._sum_families + self._cost_families
@@ -175,7 +171,7 @@ class CompiledNLP:
         for f in self._families:
             f.variables[:] = self._numbers.take(f.columns)
 
-    def _check(self, kind: str, values, families: list[Family]) -> None:
+    def _check(self, kind: str, values, families: list[CompiledFamily]) -> None:
         if not np.isfinite(values).all():
             derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
             raise NotFinite(kind, [name for f in families for name in f.culprits(derivative)])
@@ -253,7 +249,7 @@ class CompiledNLP:
                 raw = f.code.jacobian(f.arguments).reshape(len(f.arguments), -1)
                 yield f.over, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
 
-    def _derivatives(self, kind: str, pieces: list[tuple[Family, Entries]]) -> np.ndarray:
+    def _derivatives(self, kind: str, pieces: list[tuple[CompiledFamily, Entries]]) -> np.ndarray:
         out, start = np.empty(sum(len(e.rows) for _, e in pieces)), 0
         for f, entries in pieces:
             stop = start + len(entries.rows)
@@ -263,7 +259,7 @@ class CompiledNLP:
         return out
 
 
-def _structure(pieces: list[tuple[Family, Entries]]) -> tuple[np.ndarray, np.ndarray]:
+def _structure(pieces: list[tuple[CompiledFamily, Entries]]) -> tuple[np.ndarray, np.ndarray]:
     none = np.zeros(0, dtype=np.intp)
     return tuple(np.concatenate([none, *(getattr(e, side) for _, e in pieces)]) for side in ("rows", "cols"))
 

@@ -19,23 +19,33 @@ written.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from .compiler import CompiledNLP
 from .outcome import Outcome
+from .scheme import FiniteDifference
+from .trajectory import Trajectory
 from .transcribe import Layout, Transcription
 
 
-def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
-    """lambda for each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
+def with_costates(
+    transcription: Transcription, nlp: CompiledNLP, outcome: Outcome, trajectories: Sequence[Trajectory]
+) -> tuple[Trajectory, ...]:
+    """The trajectories with lambda, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
 
-    Shooting has them from the same definition, by the adjoint of its simulation.
+    Shooting has them from the same definition, by the adjoint of its simulation; finite differences have none.
     """
+    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
+        return tuple(trajectories)
     if transcription.model is None:
-        return nlp.costates(outcome)
-    return [
-        transcription.problem.sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases
-    ]
+        costates = nlp.costates(outcome)
+    else:
+        sense = transcription.problem.sense
+        costates = [sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
+    return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, costates, strict=True))
 
 
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:

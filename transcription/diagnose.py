@@ -203,7 +203,7 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
     return f"a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
 
 
-def _value_fault(function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
+def _value_fault(function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
     return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.index, fault.values)
@@ -260,7 +260,7 @@ def _functions(phase: Phase) -> Iterator[tuple]:
 
 def _point_values(trajectory: Trajectory) -> dict:
     """Names -> values at the collocation points; without those where a computed state has no value for itself."""
-    points = np.unique(trajectory.mesh.collocated)
+    points = trajectory.mesh.collocated
     points = points[np.isfinite(np.vstack([trajectory.x, trajectory.u])[:, points]).all(axis=0)]
     x, u = trajectory.x[:, points], trajectory.u[:, points]
     return trajectory.phase.values(trajectory.times[points], x, u, trajectory.parameters)

@@ -31,16 +31,14 @@ EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 @dataclass(frozen=True)
 class ErrorProfile:
-    """time: (M,), epsilon: (n_x, M) on a dense grid; eta: (n_x, N) in units of the state, edges: (N + 1,) in time.
+    """epsilon: (n_x, M) on the trajectory's dense grid; eta: (n_x, N) in units of the state.
 
     relative: (N,) the largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger.
     excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`.
     """
 
-    time: np.ndarray
     epsilon: np.ndarray
     eta: np.ndarray
-    edges: np.ndarray
     relative: np.ndarray
     excess: Mapping[str, np.ndarray]
 
@@ -60,9 +58,9 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     size = 1 + np.abs(sample.x).max(axis=1, keepdims=True)
     relative = np.vstack([eta / size, _quadrature_error(trajectory)]).max(axis=0)
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
-    shown = [(e.name, e.values[:-1]) for e in excesses(trajectory) if not e.algebraic]
-    excess = {name: values.reshape(trajectory.mesh.segments, -1).max(axis=1) for name, values in shown}
-    return ErrorProfile(sample.t, _epsilon(trajectory, sample), eta, trajectory.knots, relative, excess)
+    shown = [e for e in excesses(trajectory) if not e.algebraic]
+    excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
+    return ErrorProfile(_epsilon(trajectory, sample), eta, relative, excess)
 
 
 def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:

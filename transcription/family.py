@@ -47,7 +47,7 @@ class Entries:
         out[:] = raw.ravel() if self._places is None else np.bincount(self._places, raw.ravel())[self._dropped :]
 
 
-class Family:
+class CompiledFamily:
     """Outputs y[s, o] for every index value s of the Set `over` (None: one value without an index).
 
     components: the O components that the outputs belong to. rows: (S, O) row of each value; or (O,) if the values of

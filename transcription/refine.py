@@ -32,7 +32,7 @@ from ..problems.problem import TOLERATED_EXCESS
 from .error import ErrorProfile
 from .mesh import Mesh
 from .scheme import FiniteDifference, Scheme
-from .schemes import MAX_DEGREE, METHODS
+from .schemes import METHODS
 from .switches import Switches
 from .trajectory import Trajectory
 
@@ -172,7 +172,7 @@ class _Segments:
         if method.nodes is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
             return None
         wanted = scheme.degree + int(np.ceil(np.log10(ratio) / decay))
-        return method.of_degree(wanted) if wanted <= min(MAX_RAISED_DEGREE, MAX_DEGREE) else None
+        return method.of_degree(wanted) if wanted <= MAX_RAISED_DEGREE else None
 
     def _decay(self, s: int) -> float:
         """By how many decades each Legendre coefficient of the dynamics on segment s is smaller than the one before.
@@ -235,7 +235,7 @@ def _spread(widths: np.ndarray, parts: np.ndarray) -> np.ndarray:
 
 
 def _merged(pieces: list[list[Piece]], needless: np.ndarray) -> list[list[Piece]]:
-    """Merge neighbours that were left alone, have one scheme and nearly one width, and are needless."""
+    """Merge neighbours that were not split, have one scheme and nearly one width, and are needless."""
     merged, s = [], 0
     while s < len(pieces):
         pair = pieces[s : s + 2]

@@ -66,7 +66,8 @@ class Settings:
     scaling: Mapping[str, float] | None = None
     coarse_start: bool = True
 
-    def run(self) -> Callable[..., Outcome]:
+    @property
+    def engine_solve(self) -> Callable[..., Outcome]:
         """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
         if self.engine == "ipopt":
             return ipopt.solve

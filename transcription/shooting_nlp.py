@@ -21,7 +21,6 @@ def _callback(method: Callable) -> Callable:
     @wraps(method)
     def call(self, z, *args):
         start = time.perf_counter()
-        self.calls[name] += 1
         try:
             with np.errstate(all="ignore"):  # what is not finite is raised
                 self._move(z)
@@ -38,7 +37,6 @@ class ShootingNLP:
 
     def __init__(self, transcription: ShootingTranscription):
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
-        self.calls = dict.fromkeys(("objective", "gradient", "constraints", "jacobian", "hessian"), 0)
         self.n, self.sense = len(transcription.variables), transcription.problem.sense
         self._components: list[Rows] = [family.component for family in transcription.families]
         self.m = sum(component.rows.size for component in self._components)

@@ -29,11 +29,10 @@ KINK_MISFIT = 0.25  # of the height of the kink above its chord
 
 @dataclass(frozen=True)
 class Switch:
-    """name: of the control. tau: where on the segment, in (0, 1). jump: or kink."""
+    """name: of the control. tau: where on the segment, in (0, 1)."""
 
     name: str
     tau: float
-    jump: bool
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ class Switches:
             left, right = u[max(s - 1, 0), -1 if s else 0], u[min(s + 1, last), 0 if s < last else -1]
             if abs(right - left) > JUMP * np.ptp(u) > 0 and self._is_steep(u, s, abs(right - left)):
                 mean = np.trapezoid(u[s]) / (SAMPLES - 1)
-                return Switch(control.name, float(np.clip((mean - right) / (left - right), 0.0, 1.0)), jump=True)
+                return Switch(control.name, float(np.clip((mean - right) / (left - right), 0.0, 1.0)))
         return None
 
     def _is_steep(self, u: np.ndarray, s: int, height: float) -> bool:
@@ -93,5 +92,5 @@ class Switches:
                 height = turn * crossing * (1 - crossing)
                 misfit = np.sqrt(np.mean((own - fit) ** 2))
                 if misfit < KINK_MISFIT * height:
-                    found.append((height / (np.ptp(u) or 1.0), Switch(control.name, crossing, jump=False)))
+                    found.append((height / (np.ptp(u) or 1.0), Switch(control.name, crossing)))
         return max(found, key=lambda pair: pair[0])[1] if found else None

@@ -150,6 +150,10 @@ class Trajectory:
 
         return Sample(*map(join, inside, end))
 
+    def by_segment(self, values: np.ndarray) -> np.ndarray:
+        """Values on the dense grid, shape (M,), as those of each segment, shape (N, M // N); without the final one."""
+        return values[:-1].reshape(self.mesh.segments, -1)
+
 
 def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajectory, ...]:
     """Read the unknowns z, shape (n,), back into one trajectory for each phase."""

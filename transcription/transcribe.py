@@ -109,6 +109,13 @@ def compiled(transcription: Transcription):
     return CompiledNLP(transcription.model, transcription.variables)
 
 
+def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The initial values of the unknowns and their bounds, each shape (n,); infinite where there is no bound."""
+    table = [(v.value, *v.bounds) for v in transcription.variables]
+    z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
+    return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
+
+
 def _builder(mesh: Mesh) -> type:
     return DifferenceBuilder if isinstance(mesh.schemes[0], FiniteDifference) else CollocationBuilder
 

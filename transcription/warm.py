@@ -36,7 +36,7 @@ class Solved:
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
 
-    def has_costates(self, transcription: Transcription) -> bool:
+    def has_densities(self, transcription: Transcription) -> bool:
         """Whether both this mesh and the next give multipliers a meaning over time."""
         layouts = (*self.transcription.phases, *transcription.phases)
         return all(_has_densities(scheme) for layout in layouts for scheme in layout.mesh.schemes)

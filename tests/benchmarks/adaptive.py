@@ -19,7 +19,8 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.settings import Refine, Settings, Step
-from trajopt.transcription.solve import Solution, solve
+from trajopt.transcription.solution import Solution
+from trajopt.transcription.solve import solve
 
 TOLERANCE = 1e-8
 GROUPS = [  # a first mesh to refine, and the methods and degrees of the equal meshes
