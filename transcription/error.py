@@ -19,7 +19,7 @@ import numpy as np
 
 from ..problems.problem import Range
 from .implicit import consistent_inputs
-from .scheme import Scheme
+from .scheme import FiniteDifference
 from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
@@ -108,17 +108,17 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     phase, mesh = trajectory.phase, trajectory.mesh
     integrands = ([phase.lagrange] if phase.lagrange else []) + [c.function for c in phase.integral]
     errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
-    at_points = [_values(trajectory, w, trajectory.times, trajectory.x, trajectory.u) for w in integrands]
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     for group in mesh.groups:
-        if not isinstance(group.scheme, Scheme):  # shooting integrates the integrands along with the states
+        if isinstance(group.scheme, FiniteDifference):  # its sum over the points is no quadrature of segments
             continue
         width = np.diff(group.scheme.sigma)[:, None]
         tau = (group.scheme.sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
-        fine = trajectory.grid(group.segments, tau)
+        own_tau, own_weights = group.scheme.quadrature
+        fine, own = (trajectory.grid(group.segments, t) for t in (tau, own_tau))
         for i, w in enumerate(integrands):
-            exact = _values(trajectory, w, fine.t, fine.x, fine.u) @ (width * weights / 2).ravel()
-            rule = at_points[i][group.collocated] @ group.scheme.b
+            exact = _values(trajectory, w, fine) @ (width * weights / 2).ravel()
+            rule = _values(trajectory, w, own) @ own_weights
             errors[i, group.segments] = np.abs(trajectory.h[group.segments] * (exact - rule))
             totals[i] += float((trajectory.h[group.segments] * rule).sum())
     return errors / (1 + np.abs(totals[:, None]))
@@ -149,8 +149,9 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
         yield Excess(f"path constraint '{constraint.name}'", constraint.bounds.excess(g), constraint.bounds.fixed)
 
 
-def _values(trajectory: Trajectory, function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-    return np.broadcast_to(function(trajectory.phase.values(t, x, u, trajectory.parameters), np), t.shape)
+def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
+    values = trajectory.phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    return np.broadcast_to(function(values, np), sample.t.shape)
 
 
 def _romberg(y: np.ndarray) -> np.ndarray:

@@ -4,7 +4,9 @@
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
 part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
 tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
-than TOLERATED_EXCESS,
+than TOLERATED_EXCESS, or that smears a jump of a control: the square of the jump, relative to the control's range,
+times its share of the phase is more than the tolerance (dynamics that are linear in the control show no eta there; the
+objective suffers in the second order of the width),
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
@@ -102,9 +104,17 @@ class _Segments:
 
     @cached_property
     def share(self) -> np.ndarray:
-        """The error over the tolerance, or excess over TOLERATED_EXCESS if that is more, shape (N,)."""
-        errors = np.where(np.isfinite(self.error.relative), self.error.relative / self.tolerance, np.inf)
-        return np.fmax(errors, self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS)
+        """The most of error and smearing over the tolerance, and excess over TOLERATED_EXCESS, shape (N,)."""
+        return np.fmax(self.inexact, self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS)
+
+    @cached_property
+    def inexact(self) -> np.ndarray:
+        """The error over the tolerance, or the smearing of a jump if that is more, shape (N,)."""
+        inexact = np.where(np.isfinite(self.error.relative), self.error.relative / self.tolerance, np.inf)
+        for s, jump in self.switches.jumps.items():
+            smeared = (jump.height * self.trajectory.mesh.widths[s]) ** 2
+            inexact[s] = max(inexact[s], smeared / self.tolerance)
+        return inexact
 
     @cached_property
     def bad(self) -> np.ndarray:
@@ -140,7 +150,7 @@ class _Segments:
         width, scheme = self.same(s)
         error = self.error.relative[s]
         ratio = error / (MARGIN * self.tolerance) if np.isfinite(error) else np.inf
-        if ratio > 1 and (jump := self.switches.jump(s)):
+        if self.inexact[s] > MARGIN and (jump := self.switches.jump(s)):
             cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
             return [(width * part, scheme) for part in np.diff(np.unique([0.0, *cuts, 1.0]))]
         if raised := self._raised(s, ratio):
@@ -152,10 +162,10 @@ class _Segments:
     def parts(self, s: int) -> float:
         """How many parts of segment s would each have TARGET of the tolerance, at most MOST_PARTS.
 
-        eta of a part falls as h^(q + 1), q being the order of the interpolant's slope.
+        eta of a part falls as h^(q + 1), q being the scheme's `error_order`.
         """
         ratio = self.share[s] / TARGET
-        return float(min(ratio ** (1 / (len(self.trajectory.mesh.schemes[s].c) + 1)), MOST_PARTS))
+        return float(min(ratio ** (1 / (self.trajectory.mesh.schemes[s].error_order + 1)), MOST_PARTS))
 
     def _kink(self, s: int) -> float | None:
         """Where on segment s a kink is, if it is what makes the error of this segment."""

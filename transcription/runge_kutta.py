@@ -172,6 +172,11 @@ class Shooting:
         step = 2 if self.control == "constant" else 1
         return tuple(range(step - 1, len(self.sigma), step))
 
+    @property
+    def error_order(self) -> int:
+        """eta of a part of a segment falls as h^(this + 1), as long as the parts have as many substeps."""
+        return min(len(self.u_nodes) + 1, self.order)
+
     @cached_property
     def c(self) -> np.ndarray:
         return self.sigma[list(self.collocated)]
@@ -181,6 +186,12 @@ class Shooting:
         """Weights of a composite quadrature on the nodes of the control: what makes a multiplier a density."""
         local = {"constant": [1.0], "linear": [1 / 2, 1 / 2], "quadratic": [1 / 6, 4 / 6, 1 / 6]}[self.control]
         return np.bincount(self.substep_nodes.ravel(), np.tile(local, self.substeps)) / self.substeps
+
+    @property
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and weights on the unit segment: integrals are simulated along with the states."""
+        nodes = (np.arange(self.substeps)[:, None] + self.table.c) / self.substeps
+        return nodes.ravel(), np.tile(self.table.b, self.substeps) / self.substeps
 
     @cached_property
     def substep_nodes(self) -> np.ndarray:

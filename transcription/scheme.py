@@ -85,6 +85,16 @@ class Scheme:
         return integrated_basis(self.c, np.ones(1))[0]
 
     @property
+    def error_order(self) -> int:
+        """eta of a part of a segment falls as h^(this + 1)."""
+        return len(self.c)
+
+    @property
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and weights, shape (n,), on the unit segment: how integrals are taken."""
+        return self.c, self.b
+
+    @property
     def state_interpolant(self) -> str:
         return str(len(self.c))
 
@@ -145,6 +155,7 @@ class FiniteDifference:
     collocated: tuple[int, ...] = (0, 1)
     eliminated: tuple[tuple[int, int], ...] = ()
     degree: None = None
+    error_order: int = 2
     b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
     state_interpolant: str = "3"
     control_interpolant: str = "1"

@@ -67,7 +67,8 @@ def solve(
         after = number + 1 - len(schedule)
         if after >= 0 and settings.refine:
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
-            unmet, more = _refined(steps[number], solution, settings.refine, schedule[-1].tolerance, merge, left)
+            exact = min(schedule[-1].tolerance, settings.refine.tolerance)  # what is looser shows in the error
+            unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left)
             steps += more
         if number + 1 == len(steps):
             break

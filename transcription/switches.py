@@ -29,10 +29,11 @@ KINK_MISFIT = 0.25  # of the height of the kink above its chord
 
 @dataclass(frozen=True)
 class Switch:
-    """name: of the control. tau: where on the segment, in (0, 1)."""
+    """name: of the control. tau: where on the segment, in (0, 1). height: of a jump or kink, over the range of u."""
 
     name: str
     tau: float
+    height: float
 
 
 @dataclass(frozen=True)
@@ -44,41 +45,45 @@ class Switches:
     @cached_property
     def u(self) -> np.ndarray:
         """The controls on a grid of every segment, shape (n_u, N, SAMPLES)."""
-        mesh = self.trajectory.mesh
-        sample = self.trajectory.grid(np.arange(mesh.segments), np.linspace(0, 1, SAMPLES))
-        return sample.u[: len(self.trajectory.phase.controls)]
+        return self.trajectory.inputs(np.linspace(0, 1, SAMPLES))[: len(self.trajectory.phase.controls)]
 
     @cached_property
     def t(self) -> np.ndarray:
         """The times of that grid, shape (N, SAMPLES)."""
         return self.trajectory.knots[:-1, None] + self.trajectory.h[:, None] * np.linspace(0, 1, SAMPLES)
 
+    @cached_property
+    def jumps(self) -> dict[int, Switch]:
+        """Jumps by the number of their segment."""
+        found: dict[int, Switch] = {}
+        for control, u in zip(self.trajectory.phase.controls, self.u, strict=True):
+            left, right = np.append(u[0, 0], u[:-1, -1]), np.append(u[1:, 0], u[-1, -1])
+            height, span = np.abs(right - left), np.ptp(u)
+            for s in np.flatnonzero((height > JUMP * span) & self._is_steep(u, height)):
+                mean = np.trapezoid(u[s]) / (SAMPLES - 1)
+                tau = np.clip((mean - right[s]) / (left[s] - right[s]), 0.0, 1.0)
+                found.setdefault(int(s), Switch(control.name, float(tau), float(height[s] / span)))
+        return found
+
     def jump(self, s: int) -> Switch | None:
         """A jump on segment s."""
-        for control, u in zip(self.trajectory.phase.controls, self.u, strict=True):
-            last = len(u) - 1
-            left, right = u[max(s - 1, 0), -1 if s else 0], u[min(s + 1, last), 0 if s < last else -1]
-            if abs(right - left) > JUMP * np.ptp(u) > 0 and self._is_steep(u, s, abs(right - left)):
-                mean = np.trapezoid(u[s]) / (SAMPLES - 1)
-                return Switch(control.name, float(np.clip((mean - right) / (left - right), 0.0, 1.0)))
-        return None
+        return self.jumps.get(s)
 
-    def _is_steep(self, u: np.ndarray, s: int, height: float) -> bool:
-        steps = np.abs(np.diff(u[s]))
-        if steps.max() > STEEP * np.median(steps):
-            return True
-        if not 0 < s < len(u) - 1:
-            return False
+    def _is_steep(self, u: np.ndarray, height: np.ndarray) -> np.ndarray:
+        """Whether a change by this height (N,) over each segment is steeper than what is around it, shape (N,)."""
+        steps = np.abs(np.diff(u))
+        steep = steps.max(axis=1) > STEEP * np.median(steps, axis=1)
         h = self.trajectory.h
-        sides = np.ptp(u[s - 1, NEAR]) / h[s - 1], np.ptp(u[s + 1, FAR]) / h[s + 1]
-        return height / h[s] > STEEP * 2 * max(sides)
+        before, after = np.ptp(u[:-2, NEAR], axis=1) / h[:-2], np.ptp(u[2:, FAR], axis=1) / h[2:]
+        steep[1:-1] |= height[1:-1] / h[1:-1] > STEEP * 2 * np.maximum(before, after)
+        return steep
 
     def kink(self, s: int) -> Switch | None:
         """A kink on segment s, which needs a segment on each side."""
         if not 0 < s < self.trajectory.mesh.segments - 1:
             return None
         start, h = self.trajectory.knots[s], self.trajectory.h[s]
-        found: list[tuple[float, Switch]] = []
+        found: list[Switch] = []
         for control, u in zip(self.trajectory.phase.controls, self.u, strict=True):
             sides = ((s - 1, NEAR), (s + 1, FAR))
             left, right = (np.polyfit((self.t[n, part] - start) / h, u[n, part], 2) for n, part in sides)
@@ -92,5 +97,5 @@ class Switches:
                 height = turn * crossing * (1 - crossing)
                 misfit = np.sqrt(np.mean((own - fit) ** 2))
                 if misfit < KINK_MISFIT * height:
-                    found.append((height / (np.ptp(u) or 1.0), Switch(control.name, crossing)))
-        return max(found, key=lambda pair: pair[0])[1] if found else None
+                    found.append(Switch(control.name, crossing, height / (np.ptp(u) or 1.0)))
+        return max(found, key=lambda switch: switch.height, default=None)

@@ -86,6 +86,13 @@ class Trajectory:
         """The trajectory at the same normalised times tau, shape (M,), of segments, shape (G,): shapes (..., G, M)."""
         return self._sample(segments, tau, common=True)
 
+    def inputs(self, tau: np.ndarray) -> np.ndarray:
+        """The inputs at the same normalised times tau, shape (M,), of all segments: shape (n_u, N, M)."""
+        u = np.empty((len(self.u), self.mesh.segments, len(tau)))
+        for group in self.mesh.groups:
+            u[:, group.segments] = self.u[:, group.collocated] @ group.scheme.interpolant(tau).U.T
+        return u
+
     def at(self, s: np.ndarray) -> Sample:
         """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
         edges = self.mesh.edges
