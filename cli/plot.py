@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
-from .common import command, one_line
-from .inspect import Results
-from .solve import Force
+from .common import command
+from .options import Force, Results
+from .printing import one_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
