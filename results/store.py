@@ -3,7 +3,7 @@
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
                                objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON;
-                               attribute: overrides, the paths that the command line changed
+                               attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
             state/<name>, costate/<name>, control/<name>, algebraic/<name>
@@ -16,7 +16,7 @@
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
-                               attributes: engine, every option, seconds_<part> over all meshes, violations,
+                               attributes: engine, every option, seconds_<part> (over all meshes), violations,
                                unmet_count and unmet (segments that refinement left above its tolerance), scaling
                                (sizes of the automatic one, JSON)
 
