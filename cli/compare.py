@@ -18,7 +18,7 @@ MAX_TOLD = 4  # differences between two problems
 
 @command
 def compare(results: Results, *, json_: Json = False) -> None:
-    """Compare results on different meshes and methods with the first one.
+    """Compare results with the first one, on any mesh or method.
 
     Results of different problems are compared in what they have in common, with a note that says how they differ.
 

@@ -34,7 +34,7 @@ def reproduce(
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Solve and check only, draw nothing.")] = False,
     json_: Json = False,
 ) -> None:
-    """Reproduce the examples and figures of the paper and check their numbers.
+    """Reproduce the figures of the paper and check their numbers.
 
     Example: trajopt reproduce cartpole biped -o figures_of_the_paper
 

@@ -18,9 +18,10 @@ def verify(
     tol: Annotated[float, typer.Option("--tol", min=0, help="Largest relative error that passes.")] = 5e-2,
     json_: Json = False,
 ) -> None:
-    """Simulate the found control, check optimality and constraints, compare with the reference.
+    """Simulate the found control, check optimality and bounds.
 
-    Exit code 1 if a check fails.
+    Path constraints are checked too, and the objective against the reference of the problem file. Exit code 1 if a
+    check fails.
 
     Example: trajopt verify cartpole.h5 --tol 1e-3
     """
