@@ -1,11 +1,9 @@
-"""What every command shares: errors to sentences and exit codes, and tables."""
+"""What every command shares: errors to sentences and exit codes, and the loading of problem files."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import sys
-import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,19 +12,10 @@ from functools import wraps
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
+from .options import SHORT_FORMS
+from .printing import one_line
 
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
-ENDLESS = 100_000  # letters: the width of what is no terminal
-WORDS = 12  # letters that a column of words can do with
-
-
-SHORT_FORMS = {
-    "mesh.*.method": "--method",
-    "mesh.-1.segments": "--segments",
-    "mesh.-1.tolerance": "--tol",
-    "refine.tolerance": "--refine",
-}
-"""Options that stand for an override, by its path; messages name the option."""
 
 
 def exit_code(error: TrajoptError) -> int:
@@ -160,50 +149,3 @@ def _check_options(engine: str, options: Mapping) -> list[Mistake]:
 
     with open(os.devnull, "w") as nowhere, native_output(nowhere.fileno()):  # IPOPT complains too, less clearly
         return check_options(options)
-
-
-def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str] = ()) -> None:
-    """A table on standard output; the columns named in `right` hold numbers.
-
-    On a terminal that is wide enough, texts of several words go on below themselves. Elsewhere a row is one line, whole
-    and plain, for grep and awk.
-    """
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    console = Console(force_terminal=sys.stdout.isatty())
-    table, needed = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style=""), 0
-    for column, *cells in zip(columns, *rows, strict=True):
-        words = any(" " in cell for cell in (column, *cells))
-        needed += WORDS if words else 2 + max(map(len, (column, *cells)))
-        side = "right" if column in right else "left"
-        table.add_column(Text.assemble((one_line(column), "bold")), justify=side, no_wrap=not words, overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(one_line(cell)) for cell in row))
-    if not console.is_terminal or needed > console.width:
-        console.width = ENDLESS
-    with console.capture() as drawn:
-        console.print(table)
-    print("\n".join(line.rstrip() for line in drawn.get().rstrip("\n").split("\n")))
-
-
-def print_field(name: str, text: str) -> None:
-    """One line "name  text"; longer than a terminal is wide, it goes on below the text."""
-    lines = [one_line(text)]
-    if sys.stdout.isatty():
-        lines = textwrap.wrap(lines[0], max(_width() - 12, 20), break_long_words=False, break_on_hyphens=False)
-    print(f"{name:<12}" + "\n            ".join(lines))
-
-
-def one_line(text: str) -> str:
-    """The text without line breaks or characters that would steer a terminal."""
-    return "".join(" " if c.isspace() else c if c.isprintable() else "?" for c in text.strip())
-
-
-def plural(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}{'es' if noun.endswith('sh') else 's'}"
-
-
-def _width() -> int:
-    return shutil.get_terminal_size().columns

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from .common import command, one_line, print_table
+from .common import command
+from .options import Json, Results
+from .printing import cell, one_line, print_json, print_table
 
 COLUMNS = {
     "file": str, "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "difference": ".2e",
@@ -20,11 +17,8 @@ MAX_TOLD = 4  # differences between two problems
 
 
 @command
-def compare(
-    results: Annotated[list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.")],
-    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each result.")] = False,
-) -> None:
-    """Compare results on different meshes and methods with the first one.
+def compare(results: Results, *, json_: Json = False) -> None:
+    """Compare results with the first one, on any mesh or method.
 
     Results of different problems are compared in what they have in common, with a note that says how they differ.
 
@@ -38,9 +32,9 @@ def compare(
         print("note:", one_line(f"{pair}: {_told(row['other_problem'])}"), file=sys.stderr)
     if json_:
         for row in rows:
-            print(json.dumps(row))
+            print_json(row)
         return
-    cells = [[_cell(row[name], form) for name, form in COLUMNS.items()] for row in rows]
+    cells = [[row[name] if form is str else cell(row[name], form) for name, form in COLUMNS.items()] for row in rows]
     right = [name.replace("_", " ") for name, form in COLUMNS.items() if form is not str]
     print_table([name.replace("_", " ") for name in COLUMNS], cells, right=right)
 
@@ -56,9 +50,3 @@ def _value(value) -> str:
     if value is None:
         return "not given"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _cell(value, form) -> str:
-    if value is None:
-        return ""
-    return value if form is str else f"{value:{form}}"

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from .common import command, load_all, located, one_line, plural
-from .solve import Files, Force, Method, Segments, Set, overrides
+from .common import command, load_all, located
+from .options import Files, Force, Method, Segments, Set, overrides
+from .printing import one_line, plural
 
 
 @command
@@ -48,7 +49,7 @@ def export(
     The suffix of OUT chooses the format: .nl (AMPL, with the names in .row and .col), .gms (GAMS) or .tex (LaTeX). The
     program is that of the last mesh of the schedule, before any refinement.
     """
-    (spec,) = load_all([file], overrides(set_, method, segments, None, None))
+    (spec,) = load_all([file], overrides(set_, method, segments))
 
     from ..problems.build import build
     from ..transcription.export import export as write

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from .common import NOT_SOLVED, command, print_table
-
-Results = Annotated[
-    list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.", show_default=False)
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each result.")]
+from .common import NOT_SOLVED, command
+from .options import Json, Results
+from .printing import print_json, print_table
 
 
 @command
@@ -30,7 +25,7 @@ def show(results: Results, *, json_: Json = False) -> None:
     summaries = [summarize(path) for path in results]
     for number, summary in enumerate(summaries):
         if json_:
-            print(json.dumps(summary))
+            print_json(summary)
         else:
             if number:
                 print()
@@ -59,7 +54,7 @@ def list_() -> None:
 
 @command
 def methods() -> None:
-    """List the collocation methods that a mesh may name.
+    """List the methods that a mesh may name.
 
     Example: trajopt methods
     """

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
-from .common import command, one_line
-from .inspect import Results
-from .solve import Force
+from .common import command
+from .options import Force, Results
+from .printing import one_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,7 +46,9 @@ def plot(
     only: Only = "",
     force: Force = False,
 ) -> None:
-    """Draw states, controls and costates over time, or with --error and --mesh what these say.
+    """Draw states, controls and costates over time.
+
+    With --error and --mesh what these say is drawn instead.
 
     Example: trajopt plot cartpole.h5 --error -o error.pdf
 
@@ -117,7 +119,9 @@ def animate(
     fps: FramesPerSecond = FPS,
     force: Force = False,
 ) -> None:
-    """Draw how the system moves: a film (.gif or .mp4), or some poses in one picture (.png or .pdf).
+    """Draw how the system moves: a film, or poses in one picture.
+
+    A name that ends with .gif or .mp4 makes a film, .png or .pdf a picture.
 
     Example: trajopt animate cartpole.h5 -o swing.gif --frames 60
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..problems.syntax import shorten
-from .common import one_line
+from .printing import dumb_terminal, one_line
 
 NAME_WIDTH = 20
 
@@ -19,7 +18,7 @@ def live_text(text: str) -> Iterator[Callable[[str], None] | None]:
 
     The line is gone when the block ends.
     """
-    if not sys.stderr.isatty() or os.environ.get("TERM", "dumb") == "dumb":
+    if not sys.stderr.isatty() or dumb_terminal():
         yield None
         return
     from rich.console import Console

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from collections.abc import Sequence
@@ -11,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import INTERRUPTED, NOT_SOLVED, command, native_output, one_line, plural, print_table
+from .common import INTERRUPTED, NOT_SOLVED, command, native_output
+from .options import Json
+from .printing import one_line, plural, print_json, print_table, print_title
 from .progress import live_text
 
 if TYPE_CHECKING:
@@ -31,9 +32,9 @@ def reproduce(
         bool, typer.Option("--check", help="Check every number, also of meshes and methods that no figure shows.")
     ] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Solve and check only, draw nothing.")] = False,
-    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object on one line.")] = False,
+    json_: Json = False,
 ) -> None:
-    """Reproduce the examples and figures of the paper and check their numbers.
+    """Reproduce the figures of the paper and check their numbers.
 
     Example: trajopt reproduce cartpole biped -o figures_of_the_paper
 
@@ -55,7 +56,7 @@ def reproduce(
         print(f"interrupted; {output} holds what was done until then", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
     if json_:
-        print(json.dumps(_summary(chapters, output)))
+        print_json(_summary(chapters, output))
     else:
         _print(chapters)
         print(output / INDEX)
@@ -85,7 +86,8 @@ def _print(chapters: Sequence[Chapter]) -> None:
         print(f"FAIL  {run} was not solved: {one_line(message)}")
     failed = sum(not check.passed for check in checks) + len(unsolved)
     verdict = f"{plural(failed, 'failure')}" if failed else "all pass"
-    typer.secho(f"\n{plural(len(checks), 'check')}: {verdict}", bold=True, fg="red" if failed else "green")
+    print()
+    print_title(f"{plural(len(checks), 'check')}: {verdict}", not failed)
 
 
 def _summary(chapters: Sequence[Chapter], folder: Path) -> dict:

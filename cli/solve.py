@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 import shlex
@@ -18,29 +17,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
-from .common import INTERRUPTED, NOT_SOLVED, SHORT_FORMS, command, load_all, located, native_output, one_line
+from .common import INTERRUPTED, NOT_SOLVED, command, load_all, located, native_output
+from .options import Files, Force, Json, Method, Segments, Set, overrides
+from .printing import one_line, print_json
 
 if TYPE_CHECKING:
     from ..problems.problem import Guess, Problem
     from ..problems.spec import Spec
     from ..transcription.solution import Solution
 
-NAMES = "Problem files, or names from 'trajopt list'."
-Files = Annotated[list[str], typer.Argument(metavar="FILE|NAME...", help=NAMES, show_default=False)]
 Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
-Set = Annotated[list[str], typer.Option("--set", metavar="PATH=VALUE", help="Override a field of the problem file.")]
-Method = Annotated[str, typer.Option("--method", metavar="METHOD", help="Collocation method, on every mesh.")]
-Segments = Annotated[
-    str, typer.Option("--segments", metavar="N", help="Segments of the last mesh; refinement starts on it.")
-]
-Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="IPOPT's tolerance on the last mesh.")]
+Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
 RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each problem.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
 Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, whatever it holds.")]
 
 
 @command
@@ -62,7 +54,7 @@ def solve(
 ) -> None:
     """Solve problems and write a result file for each.
 
-    Example: trajopt solve cartpole --set parameters.u_max=15 -o swing.h5
+    Example: trajopt solve cartpole --set parameters.u_max=12 -o swing.h5
 
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved.
@@ -93,16 +85,10 @@ def solve(
 
 
 def _tell_what_lacks(guess: Path, jobs: list[_Job]) -> None:
-    from ..results.restart import without
+    from ..results.restart import lacking
 
-    for warning in dict.fromkeys(warning for job in jobs for warning in without(guess, job.problems[0])):
+    for warning in dict.fromkeys(warning for job in jobs for warning in lacking(guess, job.problems[0])):
         print(f"warning: {one_line(str(warning))}", file=sys.stderr)
-
-
-def overrides(set_, method: str | None, segments: str | None, tol: str | None, refine: str | None) -> list[str]:
-    """The short forms as overrides, after those of --set; they are checked as these are."""
-    values = (method, segments, tol, refine)
-    return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]
 
 
 @dataclass(frozen=True)
@@ -176,7 +162,7 @@ def _tell(job: _Job, as_json: bool, quiet: bool) -> None:
 
     summary = summarize(job.target)
     if as_json:
-        print(json.dumps(summary), flush=True)
+        print_json(summary)
     elif not quiet:
         print_summary(summary)
     if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):

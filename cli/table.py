@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from typing import Any
 
-import typer
-
-from .common import one_line, print_field, print_table
+from .printing import cell, print_field, print_table, print_title
 
 
 def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
     solved = summary["solved"]
-    title = f"{one_line(summary['problem'])}: {'solved' if solved else 'NOT SOLVED'}"
-    colour = None if os.environ.get("NO_COLOR") else "green" if solved else "red"
-    typer.secho(title, bold=True, fg=colour)
+    print_title(f"{summary['problem']}: {'solved' if solved else 'NOT SOLVED'}", solved)
     for name, text in _rows(summary):
         print_field(name, text)
 
@@ -106,7 +101,7 @@ def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _eta(value: float | None) -> str:
-    return "" if value is None else f"{value:.2e}"
+    return cell(value, ".2e")
 
 
 def _number(value: float | None, digits: int = 6) -> str:

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .common import NOT_SOLVED, command, print_table
+from .common import NOT_SOLVED, command
+from .options import Json, Results
+from .printing import cell, print_json, print_table
 
 
 @command
 def verify(
-    results: Annotated[list[Path], typer.Argument(metavar="RESULT...", help="Result files of 'trajopt solve'.")],
+    results: Results,
+    *,
     tol: Annotated[float, typer.Option("--tol", min=0, help="Largest relative error that passes.")] = 5e-2,
-    json_: Annotated[bool, typer.Option("--json", help="Print one JSON object on one line for each result.")] = False,
+    json_: Json = False,
 ) -> None:
-    """Simulate the found control, check optimality and constraints, compare with the reference.
+    """Simulate the found control, check optimality and bounds.
 
-    Exit code 1 if a check fails.
+    Path constraints are checked too, and the objective against the reference of the problem file. Exit code 1 if a
+    check fails.
 
     Example: trajopt verify cartpole.h5 --tol 1e-3
     """
@@ -31,9 +33,12 @@ def verify(
         passed &= all(check.passed for check in checks)
         if json_:
             lines = [{**vars(check), "passed": check.passed} for check in checks]
-            print(json.dumps({"file": str(path), "passed": all(check.passed for check in checks), "checks": lines}))
+            print_json({"file": str(path), "passed": all(check.passed for check in checks), "checks": lines})
             continue
-        rows = [("pass" if c.passed else "FAIL", c.name, f"{c.value:.2e}", f"{c.limit:.1e}", c.where) for c in checks]
+        rows = [
+            ("pass" if c.passed else "FAIL", c.name, cell(c.value, ".2e"), cell(c.limit, ".1e"), c.where)
+            for c in checks
+        ]
         print_table((str(path), "check", "value", "limit", "where"), rows, right=("value", "limit"))
     if not passed:
         raise typer.Exit(NOT_SOLVED)

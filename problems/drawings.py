@@ -13,7 +13,6 @@ from typing import Any
 
 from .errors import Mistake, SpecError
 from .models import find
-from .syntax import nearest
 
 Point = tuple[float, float]
 
@@ -133,21 +132,16 @@ _NAMES = {  # drawing -> the names of all states, and some of the parameters tha
 
 
 def drawing_of(spec: Mapping[str, Any], states: Collection[str]) -> Drawing:
-    """The drawing of a problem: the one that its file names, that of its model, or the one for states of these names.
+    """The drawing of a problem: that of its model, or the one for states and parameters of these names.
 
-    spec: the full problem file as plain data. Raises SpecError if there is no such drawing, or none for this problem.
+    spec: the full problem file as plain data. Raises SpecError if there is none.
     """
-    given = spec.get("drawing") or (spec.get("model") if spec.get("model") in DRAWINGS else None)
-    name = given or _by_names(set(states), set(spec.get("parameters", {})))
-    if name in DRAWINGS:
-        return DRAWINGS[name]
-    known = "the drawings are " + ", ".join(DRAWINGS)
+    model = spec.get("model")
+    name = model if model in DRAWINGS else _by_names(set(states), set(spec.get("parameters", {})))
     if name is None:
+        known = "the drawings are " + ", ".join(DRAWINGS)
         raise SpecError(Mistake(spec.get("name", ""), "this problem has no drawing to animate", known))
-    close = nearest(name, DRAWINGS)
-    raise SpecError(
-        Mistake("drawing", f'there is no drawing "{name}"', f"did you mean {close}? {known}" if close else known)
-    )
+    return DRAWINGS[name]
 
 
 def _by_names(states: set[str], parameters: set[str]) -> str | None:

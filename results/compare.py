@@ -22,9 +22,10 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
     """One row for each result, measured against the first one.
 
     difference: of the objective from the first; state_difference: the largest distance of any state from the first's,
-    relative to that state's range, at equal fractions of the duration, and where; other_problem: path in the problem
-    file -> (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no
-    result, SpecError if it has no state or phase in common with the first.
+    relative to that state's range, at equal fractions of the duration, and that state's name; NaN if one of the two has
+    no finite values. objective and difference: None where there is none. other_problem: path in the problem file ->
+    (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no result,
+    SpecError if it has no state or phase in common with the first.
     """
     first, rows = read_result(paths[0]), []
     for path in paths:
@@ -38,7 +39,7 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
             "segments": mesh["segments"],
             "unknowns": mesh["unknowns"],
             "objective": summary["objective"],
-            "difference": summary["objective"] - rows[0]["objective"] if rows else 0.0,
+            "difference": _difference(summary["objective"], rows[0]["objective"] if rows else summary["objective"]),
             "state_difference": distance,
             "state": state,
             "max_eta": summary["error"]["max_eta"],
@@ -47,6 +48,10 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
             "other_problem": differences(first.spec, result.spec),
         })  # fmt: skip
     return rows
+
+
+def _difference(objective: float | None, first: float | None) -> float | None:
+    return None if objective is None or first is None else objective - first
 
 
 def differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
@@ -77,7 +82,7 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
     }
     if not distances:
         raise SpecError(Mistake(str(path), "it has no state in common with the first result", "compare like with like"))
-    worst = max(distances, key=distances.get)
+    worst = max(distances, key=lambda name: np.nan_to_num(distances[name], nan=np.inf))
     return worst, distances[worst]
 
 

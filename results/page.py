@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 from collections.abc import Iterator, Sequence
@@ -34,8 +35,8 @@ def machine() -> str:
 
 
 def shown(number: float) -> str:
-    """A number with as many digits as anybody prints."""
-    return f"{number:.9g}"
+    """A number with as many digits as anybody prints; nothing if it is not finite."""
+    return f"{number:.9g}" if math.isfinite(number) else ""
 
 
 def html(chapters: Sequence[Chapter], figures: bool) -> str:

@@ -24,7 +24,10 @@ from .store import open_result
 
 @dataclass(frozen=True)
 class Reloaded:
-    """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers."""
+    """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers.
+
+    objective: as the problem file writes it; that of `outcome` is the minimised one.
+    """
 
     spec: Spec
     problem: Problem
@@ -32,6 +35,7 @@ class Reloaded:
     nlp: CompiledNLP
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
+    objective: float
     solved: bool
     overrides: tuple[str, ...]
 
@@ -49,24 +53,27 @@ def _mesh(group: h5py.Group) -> Mesh:
     return Mesh(tuple(schemes), widths)
 
 
+def _outcome(file: h5py.File, sense: int) -> Outcome:
+    solver = file["solver"]
+    return Outcome(
+        status=Status[file.attrs["status"].upper()],
+        **{name: solver[name][:] for name in ("z", "y", "z_lower", "z_upper")},
+        objective=sense * float(file.attrs["objective"]),
+        iterations={},
+        seconds=0.0,
+    )
+
+
 def reload(path: Path) -> Reloaded:
     """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
     with open_result(path) as file:
-        full = file["spec/full"].asstr()[()]
-        last = file["mesh"][str(len(file["mesh"]) - 1)]
-        mesh = _mesh(last)
-        solver = file["solver"]
-        outcome = Outcome(
-            status=Status[file.attrs["status"].upper()],
-            **{name: solver[name][:] for name in ("z", "y", "z_lower", "z_upper")},
-            objective=float(file.attrs["objective"]),
-            iterations={},
-            seconds=0.0,
-        )
-        solved, overrides = bool(file.attrs["solved"]), tuple(file["spec"].attrs["overrides"])
-    spec = load_text(full, str(path))
-    problem = build(spec)
+        spec = load_text(file["spec/full"].asstr()[()], str(path))
+        problem = build(spec)
+        mesh = _mesh(file["mesh"][str(len(file["mesh"]) - 1)])
+        outcome = _outcome(file, problem.sense)
+        objective, solved = float(file.attrs["objective"]), bool(file.attrs["solved"])
+        overrides = tuple(file["spec"].attrs["overrides"])
     transcription = transcribe(problem, [mesh] * len(problem.phases))
     nlp = compiled(transcription)
     phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
-    return Reloaded(spec, problem, transcription, nlp, outcome, phases, solved, overrides)
+    return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides)

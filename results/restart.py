@@ -19,14 +19,14 @@ def guess_from(path: Path, problem: Problem) -> list[Guess]:
     """The trajectories of a result file as one guess for each phase, on the file's dense grid.
 
     States, controls and parameters that the file does not have keep the problem's own guess, so that a result of a
-    simpler problem can start a richer one; `without` tells which. Raises FileError if the file is no result, SpecError
+    simpler problem can start a richer one; `lacking` tells which. Raises FileError if the file is no result, SpecError
     if it has none of the states.
     """
     with open_result(path) as file:
         return [_guess(path, file, phase) for phase in problem.phases]
 
 
-def without(path: Path, problem: Problem) -> list[Mistake]:
+def lacking(path: Path, problem: Problem) -> list[Mistake]:
     """A warning for each phase with names that the result file does not have, and what they start from instead.
 
     Raises FileError if the file is no result.
@@ -35,10 +35,10 @@ def without(path: Path, problem: Problem) -> list[Mistake]:
     with open_result(path) as file:
         for phase in problem.phases:
             known = _names(file.get(f"phase/{phase.name}", {}))
-            lacking = [*_told(phase.guess.values, known), *_told(phase.guess.parameters, known)]
-            if lacking:
+            names = [*_told(phase.guess.values, known), *_told(phase.guess.parameters, known)]
+            if names:
                 where = "" if len(problem.phases) == 1 else f" in phase {phase.name}"
-                what = f"it does not have {', '.join(lacking)}{where}"
+                what = f"it does not have {', '.join(names)}{where}"
                 found.append(Mistake(str(path), what, "these start from the guess of the problem file"))
     return found
 

@@ -3,7 +3,7 @@
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
                                objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON;
-                               attribute: overrides, the paths that the command line changed
+                               attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
             state/<name>, costate/<name>, control/<name>, algebraic/<name>
@@ -12,11 +12,11 @@
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
                                relative (segment) and excess (segment) of bounds, what refinement looks at
         parameter/<name>       scalar, optimised static parameters
-    /mesh/<k>/                 edges; degree and differential (segment) of a method that has a choice of them;
+    /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
-    /solver/                   iterations/<quantity> (iteration); z, z_lower, z_upper (unknown); y (constraint);
-                               attributes: engine, every option, seconds_<part> over all meshes, violations,
+    /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
+                               attributes: engine, every option, seconds_<part> (over all meshes), violations,
                                unmet_count and unmet (segments that refinement left above its tolerance), scaling
                                (sizes of the automatic one, JSON)
 
@@ -29,7 +29,7 @@ to disk, and renamed: there is never half a result under the final name, and an 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -109,7 +109,7 @@ def write(
         _write_head(file, solution, command)
         spec = _group(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
-        spec.attrs["overrides"] = list(overrides)
+        spec.attrs["overrides"] = _texts(overrides)
         phases = _group(file, "phase")
         for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
             group = _group(phases, trajectory.phase.name)
@@ -241,13 +241,18 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     _array(group, "y", outcome.y, [constraint], "multipliers of the constraints")
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
     group.attrs.update({**outcome.solver, **_seconds(parts)})
-    group.attrs["violations"] = [str(violation) for violation in solution.violations]
-    group.attrs["unmet"] = list(solution.unmet[:MAX_UNMET])
+    group.attrs["violations"] = _texts(map(str, solution.violations))
+    group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:
     return {f"seconds_{part.replace(' ', '_')}": value for part, value in parts.items()}
+
+
+def _texts(texts: Iterable[str]) -> np.ndarray:
+    """An array of texts even if there are none, which h5py would take for numbers."""
+    return np.array(list(texts), h5py.string_dtype())
 
 
 def _group(parent: h5py.Group, name: str) -> h5py.Group:

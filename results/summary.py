@@ -18,7 +18,7 @@ def summarize(path: Path) -> dict[str, Any]:
     Raises FileError if the file cannot be read or is no result of trajopt.
     """
     with open_result(path) as file:
-        return _plain(_summary(path, file))
+        return plain(_summary(path, file))
 
 
 def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
@@ -109,12 +109,12 @@ def _unit(dataset: h5py.Dataset) -> str:
     return dataset.attrs.get("units", "")
 
 
-def _plain(value: Any) -> Any:
-    """NumPy scalars -> Python's, not-finite numbers -> None: what JSON can hold."""
+def plain(value: Any) -> Any:
+    """The same without NumPy's types, and None for numbers that are not finite: what JSON can hold."""
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not np.isfinite(value):

@@ -1,5 +1,6 @@
 """The command line inside this process and as a process, for the tests that go through it."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -29,3 +30,12 @@ def solved_once(path: Path, *arguments, code: int = 0) -> Path:
         run = trajopt("solve", *arguments, "-q", "-o", path)
         assert run.exit_code == code and path.exists(), run.output
     return path
+
+
+def strict_json(text: str):
+    """The value of a JSON text; NaN and Infinity, which Python would take, are no JSON."""
+
+    def refuse(name: str):
+        raise ValueError(f"{name} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from trajopt.problems.drawings import DRAWINGS, Circle, Polyline, Rectangle, drawing_of
-from trajopt.problems.errors import SpecError
 from trajopt.results.animate import scene, stop_action
 from trajopt.results.curves import read
 from trajopt.results.style import PARTS
@@ -82,11 +81,8 @@ def test_shipped_problem_knows_its_drawing(solved, name):
     assert (stage.start, stage.end) == (result.phases[0].knots[0], result.phases[0].knots[-1])
 
 
-def test_drawing_named_in_the_file_comes_first():
-    assert drawing_of({"drawing": "block"}, ["q1", "q2", "v1", "v2"]) is DRAWINGS["block"]
+def test_a_model_brings_its_drawing():
     assert drawing_of({"model": "five_link_biped"}, ["other"]) is DRAWINGS["five_link_biped"]
-    with pytest.raises(SpecError, match="did you mean pendulum"):
-        drawing_of({"drawing": "pendulm"}, [])
 
 
 def test_problem_without_drawing_is_told_so(solved, folder):

@@ -10,12 +10,13 @@ import broken
 import pytest
 from command_line import trajopt
 
+from trajopt.cli.app import app
 from trajopt.problems.catalog import shipped
 from trajopt.transcription.schemes import METHODS
 
 pytestmark = pytest.mark.usefixtures("folder")
 
-COMMANDS = ("solve", "check", "show", "schema", "list", "methods", "export", "init")
+COMMANDS = [command.name for command in app.registered_commands]
 
 
 # -- help and listings ---------------------------------------------------------------------------------------------

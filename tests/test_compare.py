@@ -1,12 +1,17 @@
 """Results side by side."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
-from command_line import solved_once, trajopt
+from command_line import solved_once, strict_json, trajopt
+from stored import save_not_finite
 
 from trajopt.problems.errors import SpecError
-from trajopt.results.compare import compare, differences
+from trajopt.results.compare import _distance, compare, differences
+from trajopt.results.curves import Curve, PhaseCurves
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +55,28 @@ def test_command_line(results):
     assert [row["segments"] for row in rows] == [100, 20]
     missing = trajopt("compare", paths[0], "missing.h5")
     assert missing.exit_code == 3
+
+
+def test_what_is_not_finite_is_empty_in_the_table_and_null_in_json(tmp_path):
+    path = save_not_finite(tmp_path / "a.h5")
+    head, *lines = trajopt("compare", path, path).stdout.splitlines()
+    assert "nan" not in "".join(lines)
+    assert [line.split()[:4] for line in lines] == [[str(path), "hermite-simpson", "5", "33"]] * 2
+    start, end = head.index("objective") - 1, head.index("max eta") + len("max eta")
+    assert [line[start:end].strip() for line in lines] == ["", ""]
+    for row in map(strict_json, trajopt("compare", path, path, "--json").stdout.splitlines()):
+        names = ("objective", "difference", "state_difference", "max_eta")
+        assert [row[name] for name in names] == [None] * 4
+
+
+def test_a_state_that_is_not_finite_differs_most():
+    curves = {name: Curve("", np.empty(0), np.array([0.0, value])) for name, value in (("a", 1.0), ("b", 2.0))}
+    t = np.array([0.0, 1.0])
+    first = PhaseCurves("main", "s", t, t, t, {"state": curves}, {}, {}, {})
+    for name in curves:
+        broken = {**curves, name: Curve("", np.empty(0), np.array([0.0, np.nan]))}
+        state, distance = _distance(Path("a.h5"), [first], [replace(first, curves={"state": broken})])
+        assert state == name and np.isnan(distance)
 
 
 def test_another_problem_is_told(results):

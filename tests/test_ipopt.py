@@ -105,7 +105,9 @@ def test_record_of_each_iteration():
     assert outcome.iterations["objective"][-1] == pytest.approx(outcome.objective, rel=1e-12)
     assert outcome.iterations["primal_infeasibility"][-1] < 1e-8
     assert outcome.iterations["mu"][-1] < outcome.iterations["mu"][0]
-    assert outcome.solver == {"ipopt": outcome.solver["ipopt"], "scaling": "null", **ipopt.DEFAULTS}
+    assert outcome.solver == {
+        "engine": "ipopt", "ipopt": outcome.solver["ipopt"], "scaling": "null", **ipopt.DEFAULTS
+    }  # fmt: skip
 
 
 def test_stop_keeps_the_last_iterate():

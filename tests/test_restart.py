@@ -8,7 +8,7 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load
-from trajopt.results.restart import guess_from, without
+from trajopt.results.restart import guess_from, lacking
 from trajopt.transcription.settings import steps
 from trajopt.transcription.solve import solve
 
@@ -25,8 +25,8 @@ def test_a_result_starts_the_next_solve(tmp_path):
 def test_what_the_result_does_not_have_is_told(tmp_path):
     path = save(tmp_path / "a.h5")
     shot, richer = solved("shot_put")[0], build(load(shipped()["bryson_denham"]))
-    assert not without(path, build(shot))
-    (told,) = without(path, richer)
+    assert not lacking(path, build(shot))
+    (told,) = lacking(path, richer)
     assert str(told) == f"{path}: it does not have v (1 to -1), u (0); these start from the guess of the problem file"
     (guess,) = guess_from(path, richer)
     assert np.ptp(guess.values["v"]) == 2

@@ -4,6 +4,9 @@ import json
 import re
 import warnings
 from dataclasses import replace
+from itertools import takewhile
+from pathlib import Path
+from textwrap import dedent
 
 import h5py
 import numpy as np
@@ -12,6 +15,7 @@ import xarray
 from exact import fixed, growth
 from stored import save, solved
 
+from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, State, Variable
@@ -20,7 +24,7 @@ from trajopt.results.restart import guess_from
 from trajopt.results.store import write
 from trajopt.results.summary import summarize
 from trajopt.transcription.ipopt import COLUMNS
-from trajopt.transcription.settings import Step
+from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
 
 PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error"]
@@ -63,11 +67,67 @@ def test_layout_of_a_solved_and_of_a_failed_run(tmp_path, options):
         assert np.isfinite(file["phase/main/points/state/x"][:]).all()
 
 
+def drawn(text: str) -> list[str]:
+    """The lines that draw the layout, in the docstring or in docs/result_file.md."""
+    lines = dedent(text).split("\n")
+    first = next(k for k, line in enumerate(lines) if re.match(r" *//? +attributes", line))
+    return dedent("\n".join(takewhile(lambda line: line.strip(" `"), lines[first:]))).split("\n")
+
+
 def test_the_docstring_names_every_group():
     groups = {name.rsplit("/", 1)[-1] for name in LAYOUT if not name.endswith(("angle", "/x", "/y", "/vx", "/vy"))}
-    columns = {*COLUMNS, "number", "unknown", "constraint", "main", "0"}  # named by what they stand for
+    columns = {*COLUMNS, "unknown", "constraint", "main", "0"}  # named by what they stand for
     for name in groups - columns:
         assert re.search(rf"\b{name}\b", store.__doc__), name
+
+
+def test_the_documentation_draws_the_same():
+    document = Path(__file__).parent.parent / "docs" / "result_file.md"
+    assert drawn(document.read_text()) == drawn(store.__doc__)
+
+
+def documented_attributes() -> dict[str, list[str]]:
+    """Group -> the attributes that the docstring names; what stands for many of them is replaced by examples."""
+    text = re.sub(r"\([^)]*\)", "", "\n".join(drawn(store.__doc__)))
+    found = re.findall(r"^(/\S*) (?:.|\n )*?attributes?: ((?:[^;\n]|\n )*)", text, flags=re.MULTILINE)
+    spelt = {"seconds_<part>": [f"seconds_{part}" for part in PARTS], "every option": ["tol"]}
+    split = {group: re.split(r"\s*,\s+|\s+and\s+", names.strip()) for group, names in found}
+    return {group: [name for entry in names for name in spelt.get(entry, [entry])] for group, names in split.items()}
+
+
+@pytest.mark.parametrize("engine", ["ipopt", "newton"])
+def test_every_attribute_of_the_docstring_is_there(tmp_path, engine):
+    spec = load(shipped()["pendulum"], [f"solver.engine={engine}"])
+    solution = solve(build(spec), steps(spec.mesh), settings_of(spec))
+    write(tmp_path / "a.h5", solution, spec.text, spec.model_dump_json(), "")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["solver"].attrs["engine"] == engine
+        assert documented_attributes().keys() == {"/", "/spec/", "/mesh/<k>/", "/solver/"}
+        for group, names in documented_attributes().items():
+            assert not set(names) - set(file[group.replace("<k>", "0")].attrs), group
+
+
+def test_lists_of_texts_are_texts_also_when_empty(tmp_path):
+    empty, full = save(tmp_path / "a.h5"), tmp_path / "b.h5"
+    spec, solution = solved("shot_put")
+    told = replace(solution, violations=("x",), unmet=("segment 1",))
+    write(full, told, spec.text, spec.model_dump_json(), "", ["time.final"])
+    for path, count in ((empty, 0), (full, 1)):
+        with h5py.File(path) as file:
+            for group, name in (("solver", "violations"), ("solver", "unmet"), ("spec", "overrides")):
+                assert h5py.check_string_dtype(file[group].attrs.get_id(name).dtype), name
+                assert len(file[group].attrs[name]) == count
+
+
+def test_the_degrees_of_a_method_with_a_choice_are_kept_over_its_segments(tmp_path):
+    spec = load(shipped()["shot_put"], ["mesh=[{method: gauss, segments: 3, degree: 2}]"])
+    solution = solve(build(spec), steps(spec.mesh))
+    write(tmp_path / "a.h5", solution, spec.text, spec.model_dump_json(), "")
+    with h5py.File(tmp_path / "a.h5") as file:
+        mesh = file["mesh/0"]
+        assert set(mesh) == {"edges", "segment", "degree", "differential"}
+        assert mesh["degree"].dims[0][0] == mesh["segment"]
+        assert mesh["degree"][:].tolist() == [2, 2, 2]
 
 
 def test_every_array_has_a_scale_for_each_dimension_and_says_what_it_is(tmp_path):

@@ -1,9 +1,13 @@
 """The independent audit of a result: passes what is right, and sees what is wrong."""
 
+import warnings
+
 import h5py
 import numpy as np
 import pytest
+from command_line import strict_json, trajopt
 from exact import growth, growth_state
+from stored import save_not_finite
 
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
@@ -63,6 +67,14 @@ def test_reloading_gives_the_same_trajectories(tmp_path):
     assert again.problem.phases[0].controls[0].bounds.upper == 15
 
 
+@pytest.mark.parametrize(("name", "sense"), [("block_move_min_force", 1), ("shot_put", -1)])
+def test_a_reloaded_outcome_has_the_minimised_objective(tmp_path, name, sense):
+    path, solution = stored(tmp_path, name)
+    again = reload(path)
+    assert again.objective == solution.objective == sense * again.outcome.objective
+    assert again.outcome.objective == pytest.approx(solution.outcome.objective, rel=1e-12)
+
+
 def test_a_control_that_does_something_else_fails(tmp_path):
     path, _ = stored(tmp_path, "block_move_min_force")
     with h5py.File(path, "r+") as file:
@@ -73,10 +85,41 @@ def test_a_control_that_does_something_else_fails(tmp_path):
     assert not checks["stationarity dH/du, relative"].passed
 
 
-def test_a_feasible_control_that_is_not_optimal_fails(tmp_path):
+def test_an_unfinished_solve_fails(tmp_path):
     path, _ = stored(tmp_path, "block_move_min_force", "solver.max_iter=1")
-    checks = by_name(verify(path))
-    assert not checks["solver status"].passed
+    assert not by_name(verify(path))["solver status"].passed
+
+
+def test_a_feasible_control_that_is_not_optimal_fails(tmp_path):
+    """u + c (6 t^2 - 6 t + 1) moves the block to the same place: the scheme is exact for v, and Hermite's formula
+    gives x in the middle of the segments."""
+    path, solution = stored(tmp_path, "block_move_min_force")
+    t, c = solution.trajectories[0].times, 2.0
+    x, v = c * (t**4 / 2 - t**3 + t**2 / 2), c * (2 * t**3 - 3 * t**2 + t)
+    x[1::2] = (x[:-2:2] + x[2::2]) / 2 + np.diff(t[::2]) / 8 * (v[:-2:2] - v[2::2])
+    with h5py.File(path, "r+") as file:
+        z = file["solver/z"]
+        z[:] += np.column_stack([x, v, c * (6 * t**2 - 6 * t + 1)]).ravel()
+    result = reload(path)
+    assert np.abs(result.nlp.constraints(result.outcome.z) - result.nlp.cl).max() < 1e-12
+    assert result.nlp.objective(result.outcome.z) > solution.objective + 0.1
+    checks = by_name(verify(path, 1e-6))
+    assert checks["simulated x, relative to its range"].passed
+    assert checks["simulated v, relative to its range"].passed
+    assert not by_name(verify(path))["stationarity dH/du, relative"].passed
+
+
+def test_a_result_without_finite_values_fails_every_check_without_a_warning(tmp_path):
+    path = save_not_finite(tmp_path / "a.h5")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        checks = verify(path)
+    assert len(checks) == 6
+    assert not [check for check in checks if check.passed]
+    told = strict_json(trajopt("verify", path, "--json").stdout)
+    assert [check["value"] for check in told["checks"]] == [1.0, *[None] * 5]
+    table = trajopt("verify", path)
+    assert table.exit_code == 1 and "nan" not in table.stdout
 
 
 def test_a_path_constraint_crossed_between_the_points_is_seen(tmp_path):

@@ -105,6 +105,7 @@ def solve(
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
         seconds=time.perf_counter() - began,
         solver={
+            "engine": "ipopt",
             "ipopt": ".".join(map(str, cyipopt.IPOPT_VERSION)),
             **chosen,
             "scaling": json.dumps(scaling.sizes if scaling else None),

@@ -11,6 +11,7 @@ a saddle: small and exact where it applies, and an independent check of IPOPT.
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping
 
@@ -104,7 +105,7 @@ class _Newton:
             objective=self.record["objective"][-1] if self.record["objective"] else np.nan,
             iterations={name: np.array(values) for name, values in self.record.items()},
             seconds=time.perf_counter() - began,
-            solver={"engine": "newton", **self.options},
+            solver={"engine": "newton", **self.options, "scaling": json.dumps(None)},
             failed=self.failed,
         )
 
