@@ -95,12 +95,13 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     from ..problems.catalog import find
     from ..problems.load import load
     from ..transcription.schemes import METHODS
+    from ..transcription.settings import check
 
     specs, mistakes = [], []
     for name in files:
         try:
             spec = load(find(name), overrides, tuple(METHODS), _check_options)
-            mistakes += spec.locate(_check_meshes(spec.mesh))
+            mistakes += spec.locate(check(spec.mesh))
             specs.append(spec)
         except SpecError as error:
             mistakes += error.mistakes
@@ -116,26 +117,6 @@ def located(spec) -> Iterator[None]:
         yield
     except SpecError as error:
         raise SpecError(spec.locate(error.mistakes)) from error
-
-
-def _check_meshes(schedule) -> list[Mistake]:
-    """What only the methods know: the degrees, forms, substeps and controls they have."""
-    from ..transcription.schemes import find
-
-    mistakes = []
-    for number, entry in enumerate(schedule):
-        for degree in set(entry.degree) if isinstance(entry.degree, tuple) else {entry.degree}:
-            try:
-                find(entry.method, degree, entry.form, entry.substeps, entry.control)
-            except SpecError as error:
-                mistakes += [_in_entry(mistake, number) for mistake in error.mistakes]
-    return mistakes
-
-
-def _in_entry(mistake: Mistake, number: int) -> Mistake:
-    """A mistake of the methods at its place in the schedule."""
-    key = mistake.where.removeprefix("mesh.")
-    return replace(mistake, where=f"mesh.{number}.{key if key in ('substeps', 'control') else 'degree'}")
 
 
 def _check_options(engine: str, options: Mapping) -> list[Mistake]:
