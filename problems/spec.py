@@ -60,6 +60,11 @@ class Objective(Entry):
         return self
 
     @property
+    def sense(self) -> str:
+        """The key that is given: "minimize" or "maximize"."""
+        return "maximize" if self.minimize is None else "minimize"
+
+    @property
     def terms(self) -> Terms:
         return self.minimize or self.maximize
 
