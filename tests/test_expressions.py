@@ -178,7 +178,8 @@ def test_a_fault_is_the_innermost_part_and_its_values():
     [("x**-1", 0.0, "x**-1", "is too large a number"), ("x**0.5 + 1", -1.0, "x**0.5", "is not a real number"),
      ("(x + 1)/(x - 1)*2", 1.0, "(x + 1)/(x - 1)", "divides by zero"),
      ("exp(x)", 1000.0, "exp(x)", "is too large a number"), ("x + 1", math.nan, "x", "is not finite"),
-     ("1 + 2*asin(x)", 2.0, "asin(x)", "is not a real number"), ("2*log(x)", 0.0, "log(x)", "is the logarithm of zero")],
+     ("1 + 2*asin(x)", 2.0, "asin(x)", "is not a real number"),
+     ("2*log(x)", 0.0, "log(x)", "is the logarithm of zero")],
 )  # fmt: skip
 def test_faults_of_many_kinds(text, x, part, why):
     fault = parse(text).fault({"x": x})
