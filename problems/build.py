@@ -40,13 +40,13 @@ class _Builder:
     def __post_init__(self):
         self.symbols = Symbols(self.spec)
         self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh)
-        self.static = self.symbols.static | {p.name for p in self.rewritten.parameters}
+        self.added = frozenset(p.name for p in self.rewritten.parameters)
 
     def problem(self) -> Problem:
         statics = (Variable(name, p.unit, self.symbols.range(p)) for name, p in self.spec.optimize.items())
         return Problem(
             name=self.spec.name,
-            sense=1 if self.spec.objective.minimize else -1,
+            sense=1 if self.spec.objective.sense == "minimize" else -1,
             phases=(self.phase(),),
             parameters=(*statics, *self.rewritten.parameters),
         )
@@ -57,8 +57,7 @@ class _Builder:
         states = tuple(map(self.state, symbols.states))
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
-        sense = "minimize" if spec.objective.minimize else "maximize"
-        terms, written = spec.objective.terms, self.written_constraints()
+        written = self.written_constraints()
         return Phase(
             name="main",
             initial_time=times[0],
@@ -73,17 +72,23 @@ class _Builder:
             path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path)),
             boundary=(*self.of_model("boundary"), *written["boundary"], *map(self.slack, rewritten.boundary)),
             integral=tuple(written["integral"]),
-            lagrange=self.function(("objective", sense, "integral"), terms.integral) if terms.integral else None,
-            mayer=self.function(("objective", sense, "terminal"), terms.terminal) if terms.terminal else None,
+            lagrange=self.term("integral"),
+            mayer=self.term("terminal"),
             time_unit=spec.time.unit,
         )
+
+    def term(self, name: str) -> Expression | None:
+        """A term of the objective: "integral" or "terminal"."""
+        objective = self.spec.objective
+        expression = getattr(objective.terms, name)
+        return None if expression is None else self.function(("objective", objective.sense, name), expression)
 
     def function(self, path: Path, expression: Expression) -> Expression:
         """The function for an expression of the file: its stand-in, with parameters and definitions bound."""
         return self.bound(self.rewritten.expressions.get(path, expression))
 
     def bound(self, expression: Expression) -> Expression:
-        return expression.bind(self.symbols.numbers, self.rewritten.definitions, self.static)
+        return self.symbols.function(expression, self.rewritten.definitions, self.added)
 
     def variable(self, declared: Declared) -> Variable:
         return Variable(declared.name, declared.unit, self.symbols.range(declared.entry))
@@ -95,8 +100,8 @@ class _Builder:
             unit=state.unit,
             bounds=bounds,
             rate=self.rate(state),
-            initial=intersection(bounds, self.symbols.range(state.entry.initial)),
-            final=intersection(bounds, self.symbols.range(state.entry.final)),
+            initial=bounds.intersection(self.symbols.range(state.entry.initial)),
+            final=bounds.intersection(self.symbols.range(state.entry.final)),
             velocity_of=state.velocity_of,
         )
 
@@ -132,8 +137,3 @@ class _Builder:
     def slack(self, constraint: Constraint) -> Constraint:
         """A constraint on slack variables, its function completed."""
         return Constraint(constraint.name, self.bound(constraint.function), constraint.bounds)
-
-
-def intersection(a: Range, b: Range) -> Range:
-    """What two ranges have in common."""
-    return Range(max(a.lower, b.lower), min(a.upper, b.upper))

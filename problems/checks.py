@@ -8,7 +8,6 @@ from math import inf, isfinite
 from typing import Any
 
 from . import structure
-from .build import intersection
 from .dynamics import Declared, DeclaredState
 from .expressions import Expression
 from .models import find
@@ -165,7 +164,7 @@ class _Checker:
             asked = self.range(path, entry)
             if bounds is None or asked is None:
                 continue
-            common = intersection(bounds, asked)
+            common = bounds.intersection(asked)
             if common.lower > common.upper:
                 what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {state.name}"
                 self.error(path, what, "change it, or lower: and upper: of the state")
@@ -265,9 +264,9 @@ class _Checker:
         free = set().union(*(function.names for function in functions)) - {"t"} - fixed
         free_time = spec.time.initial.value is None or spec.time.final.value is None
         if not free and not (terms.integral and free_time):
-            sense = "minimize" if spec.objective.minimize else "maximize"
             what = "the objective is a constant: everything in it is fixed"
-            self.error(("objective", sense), what, "let it depend on a control, a free state, or a free time")
+            remedy = "let it depend on a control, a free state, or a free time"
+            self.error(("objective", spec.objective.sense), what, remedy)
 
     def constant_constraints(self) -> None:
         """A constraint over time or at the ends depends on something that is not a constant."""

@@ -42,7 +42,9 @@ class EndValue(Shorthand):
 class TimeEnd(EndValue):
     """The initial or the final time: fixed, or free in a range."""
 
-    guess: Formula | None = Field(None, description="initial guess of a free time; default the middle of its range")
+    guess: Formula | None = Field(
+        None, description="initial guess of a free time; default the middle of its range, if that has two ends"
+    )
 
 
 class Time(Entry):
@@ -77,7 +79,7 @@ class State(Entry):
     accel: Formula | None = Field(
         None, description="second derivative, instead of rate: the state then stands for itself and its velocity"
     )
-    velocity: Velocity | None = Field(None, description="{name, unit, lower, upper, initial, final} of its rate")
+    velocity: Velocity | None = Field(None, description="{name, unit, lower, upper, initial, final, note} of its rate")
     lower: Formula | None = Field(None, description=LOWER)
     upper: Formula | None = Field(None, description=UPPER)
     initial: EndValue | None = Field(None, description="value or {lower, upper} at the initial time; default free")
@@ -129,6 +131,8 @@ class Static(Entry):
 
     lower: Formula | None = Field(None, description=LOWER)
     upper: Formula | None = Field(None, description=UPPER)
-    guess: Formula | None = Field(None, description="initial guess; default the middle of its range")
+    guess: Formula | None = Field(
+        None, description="initial guess; default the middle of its range, or what is next to 0 in an open one"
+    )
     unit: Text = Field("", description=UNIT)
     note: Text = Field("", description=NOTE)

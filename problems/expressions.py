@@ -61,17 +61,12 @@ class Expression:
         """
         return replace(self, parameters=parameters, definitions=definitions, static=static)
 
-    def trouble(self, values: Mapping[str, Any]) -> tuple[str, int, dict[str, float]] | None:
-        """The innermost sub-expression without a finite value: its text, the index, its values there (see Fault).
-
-        values: numbers, or arrays over time of one shape (K,). None if the expression is finite everywhere.
-        """
-        found = self.fault(values)
-        return found and (found.text, found.index, found.values)
-
     def fault(self, values: Mapping[str, Any]) -> Fault | None:
-        """As `trouble`, with the reason. Names that are not given are unknown and what depends on them is passed over:
-        `fault({})` finds mistakes that no variable can mend, such as a division by a constant zero.
+        """The innermost sub-expression without a finite value; None if the expression is finite everywhere.
+
+        values: numbers, or arrays over time of one shape (K,). Names that are not given are unknown, and what depends
+        on them is passed over: `fault({})` finds mistakes that no variable can mend, such as a division by a constant
+        zero.
         """
         walk = _Audit(values, np)
         try:

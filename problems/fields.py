@@ -123,10 +123,11 @@ def _scaling(value: Any) -> str | dict[str, float]:
     return value
 
 
+_DEGREE_SCHEMA = {"type": "integer", "minimum": 1, "maximum": MAX_DEGREE}
 Degree = Annotated[
     Any,
     PlainValidator(_degree),
-    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": {"type": "integer"}}]}),
+    WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
 ]
 Scaling = Annotated[
     Any,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import types
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -67,7 +67,7 @@ def _finding(error: dict[str, Any], places: Places) -> Finding:
 def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
     """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
     given, context = kind(error.get("input")), error.get("ctx", {})
-    key, form = brief(path[-1]) if path else "", _form(path)
+    key, written = brief(path[-1]) if path else "", form(path)
     if error["type"] == "mistake":
         return context["what"], context["remedy"]
     if error["type"] == "missing" and path == ("trajopt",):
@@ -75,19 +75,19 @@ def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
     if error["type"] == "extra_forbidden":
         return f'unknown key "{key}"', _other_key(path)
     words = {
-        "missing": (f"{key} is missing", f"add {form}"),
-        "model_type": (f"this must be a mapping, not {given}", f"write {form}"),
-        "dict_type": (f"this must be a mapping, not {given}", f"write {form}"),
-        "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {form}'),
+        "missing": (f"{key} is missing", f"add {written}"),
+        "model_type": (f"this must be a mapping, not {given}", f"write {written}"),
+        "dict_type": (f"this must be a mapping, not {given}", f"write {written}"),
+        "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {written}'),
         "bool_type": (f"this must be true or false, not {given}", "write true or false"),
         "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),
         "string_type": (f"this must be a text, not {given}", "put the text in quotes"),
         "literal_error": (f"{given} is not one of the choices", f"write {context.get('expected', '')}"),
-        "too_short": (f"there must be at least {context.get('min_length')} here", f"write {form}"),
+        "too_short": (f"there must be at least {context.get('min_length')} here", f"write {written}"),
         "too_long": (f"there are more than {context.get('max_length')} here", "remove some"),
         "string_too_long": (f"this text is longer than {context.get('max_length')} characters", "shorten it"),
     }
-    return words.get(error["type"], (f"this cannot be {given}", f"write {form}"))
+    return words.get(error["type"], (f"this cannot be {given}", f"write {written}"))
 
 
 def _other_key(path: Path) -> str:
@@ -102,13 +102,14 @@ def _keys(path: Path) -> list[str]:
     return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
 
 
-def _form(path: Path) -> str:
-    """How the value at this path is written, or the mapping or the list that it is an entry of."""
+def form(path: Path) -> str:
+    """How the value at this path is written, or the mapping or the list that it is an entry of: "for example ..."."""
     for n in range(len(path), 0, -1):
         owner = _field(path[: n - 1])
         if isinstance(owner, type) and issubclass(owner, BaseModel) and path[n - 1] in owner.model_fields:
             key = path[n - 1]
-            if key in EXAMPLES and _field(path[:n]) is not Any:  # objective: of reference: is a number
+            plain = _field(path[:n]) is Any  # as the integral of minimize: and the objective of reference:
+            if key in EXAMPLES and not plain:
                 return f"for example {key}: {EXAMPLES[key]}"
             return f"{key}: {owner.model_fields[key].description}"
     return "what trajopt schema says"
@@ -120,14 +121,15 @@ def _field(path: Path) -> Any:
     for step in path:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             known = annotation.model_fields.get(step)
-            annotation = _without_none(known.annotation) if known else None
+            annotation = _bare(known.annotation) if known else None
         else:
             arguments = get_args(annotation)
-            annotation = _without_none(arguments[-1]) if arguments else None
+            annotation = _bare(arguments[-1]) if arguments else None
     return annotation
 
 
-def _without_none(annotation: Any) -> Any:
-    if get_origin(annotation) is types.UnionType:
-        return next(a for a in get_args(annotation) if a is not type(None))
-    return annotation
+def _bare(annotation: Any) -> Any:
+    """A type without the None beside it and without the validators that pydantic finds in its annotation."""
+    if get_origin(annotation) in (types.UnionType, Union):
+        annotation = next(a for a in get_args(annotation) if a is not type(None))
+    return annotation.__origin__ if get_origin(annotation) is Annotated else annotation

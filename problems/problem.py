@@ -48,6 +48,10 @@ class Range:
     def fixed(self) -> bool:
         return self.lower == self.upper
 
+    def intersection(self, other: Range) -> Range:
+        """What two ranges have in common; its lower end is above its upper one if that is nothing."""
+        return Range(max(self.lower, other.lower), min(self.upper, other.upper))
+
     def clip(self, value: float) -> float:
         return min(max(value, self.lower), self.upper)
 
@@ -95,6 +99,7 @@ class Guess:
     """A piecewise linear initial trajectory.
 
     s: (K,) increasing, 0 at the initial and 1 at the final time. values: name of each state and input -> (K,).
+    initial_time, final_time: in `Phase.time_unit`. parameters: name of each static parameter -> its value.
     """
 
     initial_time: float
@@ -110,7 +115,7 @@ class Guess:
 
 @dataclass(frozen=True)
 class Phase:
-    """One phase: its own time, states, controls and constraints. `unit` is the unit of time."""
+    """One phase: its own time, states, controls and constraints. `time_unit` is the unit of time."""
 
     name: str
     initial_time: Range

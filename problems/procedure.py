@@ -40,12 +40,11 @@ class Mesh(Entry):
     segments: Segments = Field(description=f"number of equal segments, or relative widths; at most {MAX_SEGMENTS}")
     tolerance: Number = Field(1e-8, description="convergence tolerance of the solver (its option tol); default 1e-8")
     degree: Degree | None = Field(
-        None, description="of gauss, radau, lobatto, chebyshev: one for all segments, or a list; default 4"
+        None, description="of gauss, radau, radau-left, lobatto, chebyshev: one for all segments, or a list; default 4"
     )
     form: Literal["integral", "differential"] | None = Field(
-        None, description="of the defects of those methods; default differential from degree 4 on"
+        None, description="of the defects of those methods; default differential from degree 4 on, integral below"
     )
-
     substeps: Substeps | None = Field(
         None, description="number of Runge-Kutta steps on each segment, for shooting methods; default 1"
     )

@@ -60,6 +60,11 @@ class Objective(Entry):
         return self
 
     @property
+    def sense(self) -> str:
+        """The key that is given: "minimize" or "maximize"."""
+        return "maximize" if self.minimize is None else "minimize"
+
+    @property
     def terms(self) -> Terms:
         return self.minimize or self.maximize
 
@@ -217,7 +222,7 @@ class Spec(Entry):
     scaling: Scaling = Field(
         "none",
         description="none (default: the solver's own, by gradients), auto (by bounds, guess, Jacobian), or auto with "
-        "the sizes of some states, controls or parameters given: {name: size}",
+        "the sizes of some states, velocities, controls, algebraic variables or static parameters: {name: size}",
     )
     refine: Refine | None = Field(
         None, description="refine the mesh until the error meets a tolerance; default only where mesh is left out"
@@ -228,7 +233,7 @@ class Spec(Entry):
         max_length=MAX_MESHES,
         description="schedule: each entry starts from the solution before it; left out, the mesh is chosen and refined",
     )
-    solver: Solver = Field(Solver(), description="engine, accept, and options of the engine such as max_iter")
+    solver: Solver = Field(Solver(), description="engine, accept, coarse_start, options of the engine such as max_iter")
     reference: Reference | None = Field(None, description="known objective to compare with")
 
     model_config = ConfigDict(

@@ -154,13 +154,13 @@ def _names(expression, symbols: Symbols) -> set[str]:
 
 def _model(spec: Spec, model: Model) -> Iterator[Finding]:
     """The file gives every parameter of its model, and says nothing that is the model's to say."""
-    for name in model.parameters.keys() - spec.parameters.keys():
-        quantity = model.parameters[name]
+    missing = {name: quantity for name, quantity in model.parameters.items() if name not in spec.parameters}
+    for name, quantity in missing.items():
         what = f"the model {model.name} needs the parameter {name}" + (f", {quantity.note}" if quantity.note else "")
         yield Finding(("parameters",), what, f"add {name}: under parameters:, in {quantity.unit or 'its unit'}")
     for group in ("states", "controls", "algebraic"):
         known = getattr(model, group)
-        for name in getattr(spec, group).keys() - known.keys():
+        for name in (name for name in getattr(spec, group) if name not in known):
             close = nearest(name, known)
             others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
             what = f"the model {model.name} has no {brief(name)} among its {group}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -81,9 +81,19 @@ class Symbols:
             for n in leaves(expression.root)
         )
 
-    def function(self, expression: Expression) -> Expression:
-        """The expression with its parameters and definitions bound: a `problem.Function`."""
-        return expression.bind(self.numbers, self.definitions, self.static)
+    def function(
+        self,
+        expression: Expression,
+        definitions: Mapping[str, Expression] | None = None,
+        added: frozenset[str] = frozenset(),
+    ) -> Expression:
+        """The expression with its parameters and definitions bound: a `problem.Function`.
+
+        definitions: those that take the place of the file's. added: static parameters that the file does not name.
+        """
+        return expression.bind(
+            self.numbers, self.definitions if definitions is None else definitions, self.static | added
+        )
 
     def number(self, expression: Expression | None, default: float) -> float:
         """The value of an expression of parameters; `default` if there is none."""

@@ -39,10 +39,9 @@ def uses(spec: Spec) -> Iterator[Use]:
     for name, expression in spec.expressions.items():
         yield Use(("expressions", name), expression, TRAJECTORY)
     yield from _dynamics(spec)
-    sense = "minimize" if spec.objective.minimize else "maximize"
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
-            yield Use(("objective", sense, term), expression, context)
+            yield Use(("objective", spec.objective.sense, term), expression, context)
     for path, constraint in constraints(spec):
         yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
         for key in ("lower", "upper", "equals"):

@@ -1,9 +1,15 @@
-"""Shipped problems by their names."""
+"""Shipped problems by their names, and the methods of the table by their kinds."""
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Problem
+from trajopt.transcription.scheme import Scheme
+from trajopt.transcription.schemes import METHODS, find
+
+COLLOCATION = [name for name in METHODS if isinstance(find(name), Scheme)]
+FAMILIES = [name for name, method in METHODS.items() if method.nodes]
+"""Those that take a degree."""
 
 
 def problem_named(name: str, *overrides: str) -> Problem:

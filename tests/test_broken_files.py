@@ -7,6 +7,7 @@ import pytest
 
 from trajopt.problems.errors import FileError, SpecError
 from trajopt.problems.load import load
+from trajopt.problems.models import find
 
 
 def test_the_good_file_is_good(tmp_path):
@@ -47,3 +48,14 @@ def test_all_mistakes_at_once_in_the_order_of_lines(tmp_path):
         "21: constraints.path.0.upper",
         "--set controls.u.upper",
     ]
+
+
+def test_what_a_model_needs_is_told_in_its_own_order(tmp_path):
+    path = tmp_path / "bare.yaml"
+    path.write_text(
+        "{trajopt: 1, model: five_link_biped, time: {initial: 0, final: 1}, objective: {minimize: {integral: u1**2}}}"
+    )
+    with pytest.raises(SpecError) as error:
+        load(path, methods=broken.METHODS)
+    needed = [mistake.what.split(",")[0].split()[-1] for mistake in error.value.mistakes]
+    assert needed == list(find("five_link_biped").parameters)[: len(needed)] and len(needed) > 10

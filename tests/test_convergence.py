@@ -14,16 +14,17 @@ from exact import (
     integration,
     integration_state,
 )
+from named import COLLOCATION, FAMILIES
 
 from trajopt.transcription.outcome import Status
+from trajopt.transcription.runge_kutta import TABLES
 from trajopt.transcription.schemes import METHODS as TABLE
 from trajopt.transcription.schemes import find
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 
-FIXED = [name for name, method in TABLE.items() if method.scheme is not None and name != "finite-difference"]
 LADDERS = {  # (method, degree) -> numbers of segments: errors from visible down to well above rounding
-    **{(name, None): (10, 20, 40, 80) for name in FIXED},
+    **{(name, None): (10, 20, 40, 80) for name in COLLOCATION if name not in FAMILIES},
     ("gauss", 1): (10, 20, 40, 80),
     ("gauss", 2): (4, 8, 16, 32),
     ("gauss", 3): (3, 6, 9, 12),
@@ -69,6 +70,13 @@ def ladder(problem: str, method: str, degree: int | None):
 def order(solutions, errors) -> float:
     """The slope of log error against log h."""
     return -np.polyfit(np.log([s.trajectories[0].mesh.segments for s in solutions]), np.log(errors), 1)[0]
+
+
+def test_every_method_of_the_table_has_a_ladder():
+    """But for shooting and finite differences, which have tests of their order of their own."""
+    assert {method for method, _ in LADDERS} == set(COLLOCATION)
+    assert FINE.keys() == LADDERS.keys()
+    assert {*COLLOCATION, "finite-difference", *(table.name for table in TABLES)} == TABLE.keys()
 
 
 @METHODS
@@ -156,7 +164,7 @@ def integrate(trajectory) -> float:
     return float(np.exp(1 + (trajectory.h[:, None] * weights / 2 * u).sum()))
 
 
-@pytest.mark.parametrize("method", ["gauss", "radau", "radau-left", "lobatto", "chebyshev"])
+@pytest.mark.parametrize("method", FAMILIES)
 def test_spectral_convergence_of_global_collocation(method):
     """One segment: the error falls geometrically with the degree, down to rounding."""
     errors = []
@@ -168,7 +176,7 @@ def test_spectral_convergence_of_global_collocation(method):
     assert all(falling)
 
 
-@pytest.mark.parametrize("method", ["gauss", "radau", "lobatto"])
+@pytest.mark.parametrize("method", [name for name in FAMILIES if name != "chebyshev"])  # see OPTIMAL
 @pytest.mark.parametrize("degree", [5, 30, 60])
 def test_global_collocation_of_the_optimal_problem(method, degree):
     (trajectory,), objective = (s := solve(growth(), [Step(method, 1, 1e-12, degree)])).trajectories, s.objective

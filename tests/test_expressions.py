@@ -160,32 +160,37 @@ def test_names_and_ends():
     assert parse("q1[final]*p - sin(t) + pi").names == {"q1[final]", "p", "t"}
 
 
-def test_trouble_is_the_innermost_part_and_its_values():
+def test_a_fault_is_the_innermost_part_and_its_values():
     expression = parse("3*sqrt(1 + log(x1 - a)/y)").bind({"a": 2.0}, {})
-    assert expression.trouble({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 1.0])}) is None
-    found = expression.trouble({"x1": np.array([3.0, 2.5, 1.5, 1.0]), "y": np.ones(4)})
-    assert found == ("log(x1 - a)", 2, {"x1": 1.5, "a": 2.0})
-    assert expression.trouble({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 0.0])}) == (
+    assert expression.fault({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 1.0])}) is None
+    found = expression.fault({"x1": np.array([3.0, 2.5, 1.5, 1.0]), "y": np.ones(4)})
+    assert found == ("log(x1 - a)", 2, {"x1": 1.5, "a": 2.0}, "is not a real number")
+    assert expression.fault({"x1": np.array([3.0, 2.5]), "y": np.array([1.0, 0.0])}) == (
         "log(x1 - a)/y",
         1,
         {"x1": 2.5, "a": 2.0, "y": 0.0},
+        "divides by zero",
     )
 
 
 @pytest.mark.parametrize(
-    ("text", "x", "part"),
-    [("x**-1", 0.0, "x**-1"), ("x**0.5 + 1", -1.0, "x**0.5"), ("(x + 1)/(x - 1)*2", 1.0, "(x + 1)/(x - 1)"),
-     ("exp(x)", 1000.0, "exp(x)"), ("x + 1", math.nan, "x"), ("1 + 2*asin(x)", 2.0, "asin(x)")],
+    ("text", "x", "part", "why"),
+    [("x**-1", 0.0, "x**-1", "is too large a number"), ("x**0.5 + 1", -1.0, "x**0.5", "is not a real number"),
+     ("(x + 1)/(x - 1)*2", 1.0, "(x + 1)/(x - 1)", "divides by zero"),
+     ("exp(x)", 1000.0, "exp(x)", "is too large a number"), ("x + 1", math.nan, "x", "is not finite"),
+     ("1 + 2*asin(x)", 2.0, "asin(x)", "is not a real number"),
+     ("2*log(x)", 0.0, "log(x)", "is the logarithm of zero")],
 )  # fmt: skip
-def test_trouble_of_many_kinds(text, x, part):
-    assert parse(text).trouble({"x": x})[0] == part
+def test_faults_of_many_kinds(text, x, part, why):
+    fault = parse(text).fault({"x": x})
+    assert (fault.text, fault.why) == (part, why)
 
 
-def test_trouble_inside_a_definition():
+def test_a_fault_inside_a_definition():
     definitions = {"speed": parse("sqrt(v)"), "power": parse("2*speed")}
     bound = parse("power[final] - 1").bind({}, definitions)
     assert bound.names == {"v[final]"}
-    assert bound.trouble({"v[final]": -4.0}) == ("sqrt(v)", 0, {"v[final]": -4.0})
+    assert bound.fault({"v[final]": -4.0}) == ("sqrt(v)", 0, {"v[final]": -4.0}, "is not a real number")
     assert bound({"v[final]": 4.0}, np) == 3.0
 
 

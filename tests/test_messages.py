@@ -4,15 +4,17 @@ import copy
 import json
 import re
 from functools import reduce
+from typing import get_args
 
 import broken
 import pytest
+from pydantic import BaseModel
 
 from trajopt.cli.common import load_all
 from trajopt.problems import yamltext
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.problems.messages import EXAMPLES
+from trajopt.problems.messages import EXAMPLES, form
 from trajopt.problems.spec import Spec
 
 # Every section and every key that the good file leaves out, so that the walk meets it.
@@ -32,11 +34,17 @@ FULL = {
     "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "max_iter": 100},
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
 }
+# Keys that exclude others of the full file.
+OTHERS = {
+    "maximize": {"objective": {"maximize": {"integral": "u**2", "terminal": "x[final]"}}},
+    "sqrt": {"nonsmooth": {"sqrt": [0.01]}},
+}
 WRONG = {
     "a list": [[1, "x"]], "no items": [], "a mapping": {"a": {"b": 1}}, "nothing in it": {}, "text": "no such thing",
     "true": True, "negative": -1, "zero": 0, "broken": 1.5, "huge": 1e300, "infinite": float("inf"),
     "NaN": float("nan"), "null": None,
 }  # fmt: skip
+OF_THE_FILE = re.compile("unknown name|already declared|as many residuals as|everything in it is fixed")
 FOREIGN = re.compile(
     r"Input should|valid (integer|number|boolean|string|dictionary|list)|unable to|Value error|union|validation|"
     r"pydantic|should have|at most \d+ after|Field |NoneType|<class|Traceback|\b(dict|str|bool|float|int)\b|"
@@ -44,8 +52,9 @@ FOREIGN = re.compile(
 )
 
 
-def full_data():
-    data = yamltext.read(broken.IMPLICIT, "full.yaml").data | copy.deepcopy(FULL)
+def full_data(key=None):
+    """A file with every key, but for those that exclude each other: then it has the given one."""
+    data = yamltext.read(broken.IMPLICIT, "full.yaml").data | copy.deepcopy(FULL | OTHERS.get(key, {}))
     data["time"]["final"] = {"lower": 1, "upper": 3, "guess": 2}
     data["states"]["p"] = {
         "unit": "rad", "accel": "u - p", "note": "an angle", "initial": {"lower": 0, "upper": 1}, "final": {"value": 1},
@@ -62,16 +71,26 @@ def paths(node, path=()):
         yield from paths(value, (*path, key))
 
 
-def value_at(path):
-    return reduce(lambda node, key: node[key], path, full_data())
+def models(model):
+    """A model of the schema and all those below it."""
+    yield model
+    for field in model.model_fields.values():
+        for part in types_in(field.annotation):
+            if isinstance(part, type) and issubclass(part, BaseModel):
+                yield from models(part)
 
 
-def replaced(path, value):
-    data = full_data()
-    node = data
-    for key in path[:-1]:
-        node = node[key]
-    node[path[-1]] = value
+def types_in(annotation):
+    """The types that an annotation is made of."""
+    yield annotation
+    for part in get_args(annotation):
+        yield from types_in(part)
+
+
+def replaced(data, path, value):
+    """The data with another value at a path."""
+    data = copy.deepcopy(data)
+    reduce(lambda node, key: node[key], path[:-1], data)[path[-1]] = value
     return data
 
 
@@ -88,16 +107,19 @@ def place(mistake) -> tuple:
 
 
 def test_the_walk_meets_every_field():
-    data = full_data()
-    assert load_text(written(data), "full.yaml", (), broken.METHODS).reference.source == "a book"
-    keys = {path[-1] for path in paths(data)}
-    assert Spec.model_fields.keys() - keys == {"model"}
+    keys = set()
+    for data in (full_data(), *map(full_data, OTHERS)):
+        assert load_text(written(data), "full.yaml", (), broken.METHODS).reference.source == "a book"
+        keys |= {path[-1] for path in paths(data)}
+    known = {key for model in models(Spec) for key in model.model_fields}
+    assert known - keys == {"model"}
 
 
 @pytest.mark.parametrize("value", WRONG.values(), ids=WRONG.keys())
 def test_no_message_is_foreign(value):
-    for path in paths(full_data()):
-        data = replaced(path, value)
+    full = full_data()
+    for path in paths(full):
+        data = replaced(full, path, value)
         try:
             load_text(written(data), "full.yaml", (), broken.METHODS)
         except SpecError as error:
@@ -111,15 +133,17 @@ def test_no_message_is_foreign(value):
 
 @pytest.mark.parametrize("key", EXAMPLES)
 def test_an_example_is_right(key):
-    """As a value of every field of that name and kind it makes no mistake of form."""
+    """Wherever a message gives it, it makes no mistake, but that its names may not go with those of the file."""
+    full = full_data(key)
+    matches = [path for path in paths(full) if path[-1] == key and form(path) == f"for example {key}: {EXAMPLES[key]}"]
+    assert matches, key
     for example in EXAMPLES[key].split(", or "):
-        new = yamltext.value(example, key)
-        for path in paths(full_data()):
-            if path[-1] == key and isinstance(value_at(path), type(new)):
-                try:
-                    load_text(written(replaced(path, new)), "full.yaml", (), broken.METHODS)
-                except SpecError as error:
-                    assert not [m for m in error.mistakes if m.what.startswith("this must be")]
+        for path in matches:
+            try:
+                load_text(written(replaced(full, path, yamltext.value(example, key))), "full.yaml", (), broken.METHODS)
+            except SpecError as error:
+                inside = [m for m in error.mistakes if place(m)[: len(path)] == path]
+                assert not [m for m in inside if not OF_THE_FILE.search(m.what)], example
 
 
 def test_the_mistakes_of_all_files_go_through_the_command_line(tmp_path):

@@ -2,20 +2,21 @@
 
 import numpy as np
 import pytest
+from named import COLLOCATION, FAMILIES
 
 from trajopt.problems.errors import SpecError
 from trajopt.transcription.polynomials import integrated_basis, lagrange_basis
 from trajopt.transcription.scheme import Scheme
-from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, METHODS, TRAPEZOID, find
+from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, find
 
-COLLOCATION = {name: find(name) for name in METHODS if isinstance(find(name), Scheme)}
-COLLOCATION |= {
+ALL = {name: find(name) for name in COLLOCATION}
+ALL |= {
     f"{name} {n} {form}": find(name, n, form)
-    for name in ("gauss", "radau", "radau-left", "lobatto", "chebyshev")
+    for name in FAMILIES
     for n in (1, 2, 3, 7, 20, 60)
     for form in ("integral", "differential")
 }
-SCHEMES = pytest.mark.parametrize("scheme", COLLOCATION.values(), ids=COLLOCATION)
+SCHEMES = pytest.mark.parametrize("scheme", ALL.values(), ids=ALL)
 TAU = np.linspace(0, 1, 11)
 
 
@@ -59,7 +60,7 @@ def test_state_interpolant_has_the_collocated_slopes(scheme):
     assert scheme.interpolant(TAU).F @ polynomial(scheme.c) == pytest.approx(integral(TAU), abs=1e-13)
 
 
-@pytest.mark.parametrize("name", ["gauss", "radau", "radau-left", "lobatto", "chebyshev"])
+@pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize("n", [1, 2, 3, 7, 20, 60])
 def test_integral_and_differential_form_have_the_same_solutions(name, n):
     """The state nodes that either form gives for arbitrary dynamics."""
@@ -88,7 +89,9 @@ def test_nodes_are_the_roots_that_define_their_family(n):
         "radau": (find("radau", n).c[:-1], lambda x: (P(n, x) - P(n - 1, x)) / (x - 1)),
         "radau-left": (find("radau-left", n).c[1:], lambda x: (P(n, x) + P(n - 1, x)) / (x + 1)),
         "lobatto": (find("lobatto", n).c[1:-1], lambda x: n * (P(n - 1, x) - x * P(n, x)) / (1 - x**2)),
+        "chebyshev": (find("chebyshev", n).c[1:-1], lambda x: mpmath.chebyu(n - 1, x)),
     }
+    assert families.keys() == set(FAMILIES)
     for name, (nodes, polynomial) in families.items():
         assert [newton(polynomial, tau) for tau in nodes] == pytest.approx([0] * len(nodes), abs=1e-14), name
 

@@ -9,14 +9,20 @@ import broken
 import numpy as np
 import pytest
 import yaml
+from named import FAMILIES
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import find, shipped, start_new
 from trajopt.problems.errors import FileError
+from trajopt.problems.fields import MAX_DEGREE
 from trajopt.problems.load import load, load_text
 from trajopt.problems.problem import Range
 from trajopt.problems.spec import Spec, schema
+from trajopt.problems.syntax import FUNCTIONS
+from trajopt.transcription.runge_kutta import TABLES
+from trajopt.transcription.schemes import DEFAULT_DEGREE, INTEGRAL_DEGREE
 
+DOCS = (Path(__file__).parent.parent / "docs" / "problem_file.md").read_text()
 SHIPPED = [*shipped().values(), find("cartpole").with_name("template.yaml")]
 
 
@@ -63,9 +69,10 @@ def test_json_schema_refuses_what_the_loader_refuses():
         jsonschema.validate({key: value for key, value in good.items() if key != "states"}, schema())
 
 
-def test_the_example_of_the_docs_is_right():
-    docs = (Path(__file__).parent.parent / "docs" / "problem_file.md").read_text()
-    (example,) = re.findall(r"```yaml\n(.*?)```", docs, re.DOTALL)
+def test_the_examples_of_the_docs_are_right():
+    whole, example = re.findall(r"```yaml\n(.*?)```", DOCS, re.DOTALL)
+    spec = load_text(whole, "docs.yaml")
+    assert spec.name == "block move" and not spec.warnings and spec.text == whole
     rest = "{trajopt: 1, time: {initial: 0, final: 1}, parameters: {m: 1, k: 1}, controls: {u: {}}, "
     rest += "objective: {minimize: {integral: u**2}}, mesh: [{method: any, segments: 1}], "
     data = yaml.safe_load(rest + "name: docs}") | yaml.safe_load(example)
@@ -73,6 +80,46 @@ def test_the_example_of_the_docs_is_right():
     (phase,) = build(spec).phases
     assert [state.name for state in phase.states] == ["q", "v", "p", "r", "w", "s"] and not spec.warnings
     assert [z.name for z in phase.algebraic] == ["F", "v[rate]", "s[rate]"] and len(phase.residuals) == 3
+
+
+def sections() -> dict[str, str]:
+    """Each key of a file -> its row in the documentation."""
+    rows = [line.split(" | ") for line in DOCS[DOCS.index("| key |") :].split("\n\n")[0].splitlines()[2:]]
+    return {key: " ".join(row[1:]) for row in rows for key in re.findall(r"`(\w+)`", row[0])}
+
+
+def keys(definition: dict) -> set[str]:
+    """The keys of a mapping of the schema, or of the items of a list or a mapping of names."""
+    parts = [definition, *definition.get("anyOf", []), definition.get("items", {})]
+    parts.append(definition.get("additionalProperties") or {})
+    inner = [
+        schema()["$defs"][part["$ref"].split("/")[-1]] for part in parts if isinstance(part, dict) and "$ref" in part
+    ]
+    return {key for part in parts for key in part.get("properties", {})}.union(*map(keys, inner))
+
+
+def test_every_key_stands_in_the_docs():
+    """The sections in the table, their keys in the row of the section; all others somewhere."""
+    rows = sections()
+    assert rows.keys() == Spec.model_fields.keys()
+    for section, definition in schema()["properties"].items():
+        written = set(re.findall(r"\w+", " ".join(re.findall(r"`(.*?)`", rows[section]))))
+        assert keys(definition) - {"expression", "value"} <= written, section
+    everywhere = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", re.sub("```", "", DOCS)))))
+    assert {key for definition in schema()["$defs"].values() for key in keys(definition)} <= everywhere
+
+
+def test_the_docs_and_the_schema_name_the_methods_and_functions():
+    assert f"`{' '.join(FUNCTIONS)}`" in DOCS
+    for name in (*FAMILIES, *(table.name for table in TABLES)):
+        assert f"`{name}`" in DOCS
+    degree = schema()["$defs"]["Mesh"]["properties"]["degree"]
+    assert degree["description"].startswith(f"of {', '.join(FAMILIES)}: ")
+    assert f"default {DEFAULT_DEGREE}" in degree["description"] and f"(default {DEFAULT_DEGREE})" in DOCS
+    assert f"`degree` from 1 to {MAX_DEGREE}" in DOCS
+    form = schema()["$defs"]["Mesh"]["properties"]["form"]["description"]
+    assert f"differential from degree {INTEGRAL_DEGREE + 1} on" in form
+    assert f"`differential` from degree {INTEGRAL_DEGREE + 1} on" in DOCS
 
 
 def test_every_field_is_described():
