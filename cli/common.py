@@ -94,14 +94,13 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     """
     from ..problems.catalog import find
     from ..problems.load import load
-    from ..transcription.schemes import METHODS
-    from ..transcription.settings import check
+    from ..transcription.schemes import METHODS, check_schedule
 
     specs, mistakes = [], []
     for name in files:
         try:
             spec = load(find(name), overrides, tuple(METHODS), _check_options)
-            mistakes += spec.locate(check(spec.mesh))
+            mistakes += spec.locate(check_schedule(spec.mesh))
             specs.append(spec)
         except SpecError as error:
             mistakes += error.mistakes

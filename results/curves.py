@@ -143,8 +143,7 @@ def _ranges(phase) -> dict[str, Range]:
     for constraint in phase.path:
         name = getattr(constraint.function, "text", None)
         if name in ranges:
-            a, b = ranges[name], constraint.bounds
-            ranges[name] = Range(max(a.lower, b.lower), min(a.upper, b.upper))
+            ranges[name] = ranges[name].intersection(constraint.bounds)
     return ranges
 
 

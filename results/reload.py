@@ -60,7 +60,6 @@ def _outcome(file: h5py.File, sense: int) -> Outcome:
         **{name: solver[name][:] for name in ("z", "y", "z_lower", "z_upper")},
         objective=sense * float(file.attrs["objective"]),
         iterations={},
-        seconds=0.0,
     )
 
 

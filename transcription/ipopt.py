@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -92,7 +91,6 @@ def solve(
     for name, value in chosen.items():
         if not _accepts(problem, name, value):
             raise ValueError(f"IPOPT does not take {name} = {value!r}")
-    began = time.perf_counter()
     multipliers = (start.y, start.z_lower, start.z_upper) if start else ()
     z, info = problem.solve(z, *multipliers)
     return Outcome(
@@ -103,7 +101,6 @@ def solve(
         z_upper=info["mult_x_U"],
         objective=float(info["obj_val"]),
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
-        seconds=time.perf_counter() - began,
         solver={
             "engine": "ipopt",
             "ipopt": ".".join(map(str, cyipopt.IPOPT_VERSION)),

@@ -12,7 +12,6 @@ a saddle: small and exact where it applies, and an independent check of IPOPT.
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -90,7 +89,6 @@ class _Newton:
         self.failed = None
 
     def run(self) -> Outcome:
-        began = time.perf_counter()
         try:
             status = self._iterate()
         except NotFinite as error:
@@ -104,7 +102,6 @@ class _Newton:
             z_upper=bounds.copy(),
             objective=self.record["objective"][-1] if self.record["objective"] else np.nan,
             iterations={name: np.array(values) for name, values in self.record.items()},
-            seconds=time.perf_counter() - began,
             solver={"engine": "newton", **self.options, "scaling": json.dumps(None)},
             failed=self.failed,
         )

@@ -100,6 +100,5 @@ class Outcome:
     z_upper: np.ndarray
     objective: float
     iterations: dict[str, np.ndarray]
-    seconds: float
     solver: dict[str, Any] = field(default_factory=dict)
     failed: tuple[np.ndarray, list] | None = None

@@ -6,7 +6,7 @@ tests of exactness, order and costates run over the table.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
@@ -14,12 +14,12 @@ from functools import cache
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
-from ..problems.procedure import MAX_SUBSTEPS
+from ..problems.fields import MAX_DEGREE
+from ..problems.procedure import MAX_SUBSTEPS, Mesh
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
 from .scheme import FiniteDifference, Scheme
 
-MAX_DEGREE = 60
 DEFAULT_DEGREE = 4
 DEFAULT_SUBSTEPS = 1
 INTEGRAL_DEGREE = 3  # up to here the integral form has few enough dynamics in a defect to be the cheaper one
@@ -270,3 +270,21 @@ def find(
     near = get_close_matches(name, METHODS, n=1, cutoff=0.3)
     hint = f"did you mean '{near[0]}'? " if near else ""
     raise SpecError(Mistake("method", f"there is no method '{name}'", hint + "'trajopt methods' lists them all"))
+
+
+def check_schedule(schedule: Sequence[Mesh]) -> list[Mistake]:
+    """What only the methods know: the degrees, forms, substeps and controls they have; each at its place."""
+    mistakes = []
+    for number, entry in enumerate(schedule):
+        for degree in set(entry.degree) if isinstance(entry.degree, tuple) else {entry.degree}:
+            try:
+                find(entry.method, degree, entry.form, entry.substeps, entry.control)
+            except SpecError as error:
+                mistakes += [_in_entry(mistake, number) for mistake in error.mistakes]
+    return mistakes
+
+
+def _in_entry(mistake: Mistake, number: int) -> Mistake:
+    """A mistake of the methods at its place in the schedule."""
+    key = mistake.where.removeprefix("mesh.")
+    return replace(mistake, where=f"mesh.{number}.{key if key in ('substeps', 'control') else 'degree'}")

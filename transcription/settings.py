@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..problems.errors import Mistake, SpecError
 from ..problems.procedure import Mesh as MeshEntry
 from ..problems.spec import Spec
 from . import ipopt
@@ -43,24 +42,6 @@ def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
     """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
     keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
     return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
-
-
-def check(schedule: Sequence[MeshEntry]) -> list[Mistake]:
-    """What only the methods know: the degrees, forms, substeps and controls they have; each at its place."""
-    mistakes = []
-    for number, entry in enumerate(schedule):
-        for degree in set(entry.degree) if isinstance(entry.degree, tuple) else {entry.degree}:
-            try:
-                find(entry.method, degree, entry.form, entry.substeps, entry.control)
-            except SpecError as error:
-                mistakes += [_in_entry(mistake, number) for mistake in error.mistakes]
-    return mistakes
-
-
-def _in_entry(mistake: Mistake, number: int) -> Mistake:
-    """A mistake of the methods at its place in the schedule."""
-    key = mistake.where.removeprefix("mesh.")
-    return replace(mistake, where=f"mesh.{number}.{key if key in ('substeps', 'control') else 'degree'}")
 
 
 @dataclass(frozen=True)
