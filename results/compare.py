@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
+from ..transcription.polynomials import lagrange_basis
 from .curves import PhaseCurves
 from .curves import read as read_result
 from .summary import summarize
 
 NO_PART = {"trajopt", "name", "source", "note", "reference", "mesh", "refine", "solver", "scaling", "guess"}
 """Keys of a problem file that do not change what the problem is."""
+STENCIL = 6  # dense points
 NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time
 
 
@@ -87,16 +89,32 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
 
 
 def _state_distances(a: PhaseCurves, b: PhaseCurves) -> dict[str, float]:
-    s = np.union1d(_fractions(a), _fractions(b))
+    s = np.union1d(_fractions(a.dense_time), _fractions(b.dense_time))
     distances = {}
     for name, curve in a.curves["state"].items():
         if name in b.curves["state"]:
-            own = np.interp(s, _fractions(a), curve.dense)
-            others = np.interp(s, _fractions(b), b.curves["state"][name].dense)
+            own, others = _values(a, curve.dense, s), _values(b, b.curves["state"][name].dense, s)
             distances[name] = float(np.abs(own - others).max() / (np.ptp(curve.dense) or 1.0))
     return distances
 
 
-def _fractions(phase: PhaseCurves) -> np.ndarray:
-    t = phase.dense_time
+def _values(phase: PhaseCurves, dense: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """A continuous curve at fractions s of the duration, by the polynomial through STENCIL dense points around each.
+
+    All of them are of the segment, on which the dense points are equally spaced: curves have kinks at its ends. A
+    straight line between them would differ from the curve by more than good results differ from one another.
+    """
+    edges = _fractions(phase.knots)
+    segments = len(edges) - 1
+    count = (len(dense) - 1) // segments
+    on_segment = np.column_stack([dense[:-1].reshape(segments, count), dense[count::count]])
+    segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, segments - 1)
+    place = (s - edges[segment]) / np.diff(edges)[segment] * count
+    nodes = np.arange(min(STENCIL, count + 1))
+    first = np.clip(place.astype(int) - len(nodes) // 2 + 1, 0, count + 1 - len(nodes))
+    basis = lagrange_basis(nodes.astype(float), place - first)
+    return (basis * on_segment[segment[:, None], first[:, None] + nodes]).sum(axis=1)
+
+
+def _fractions(t: np.ndarray) -> np.ndarray:
     return (t - t[0]) / (t[-1] - t[0])

@@ -41,6 +41,16 @@ def test_the_first_is_the_measure(results):
     assert (coarse["method"], coarse["segments"]) == ("trapezoid", 20)
 
 
+def test_good_results_on_different_meshes_agree(tmp_path):
+    """To what both are good for: straight lines between dense points would differ by 1e-5."""
+    for segments in (30, 60):
+        mesh = f"mesh=[{{method: radau, segments: {segments}, degree: 10}}]"
+        solved_once(tmp_path / f"{segments}.h5", "cartpole", "--set", mesh)
+    _, other = compare([tmp_path / "30.h5", tmp_path / "60.h5"])
+    assert other["max_eta"] < 1e-9
+    assert 0 < other["state_difference"] < 1e-8
+
+
 def test_results_without_a_common_state_are_refused(results):
     with pytest.raises(SpecError, match="no state in common"):
         compare([results / "fine.h5", results / "block.h5"])

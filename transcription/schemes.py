@@ -249,7 +249,7 @@ METHODS = {
         Method("chebyshev", "Chebyshev-Lobatto", "both", "n + 1 or n + 2",
                "Kelly 2017, appendix D.2 to D.5; Vlassenbroeck and Van Dooren, IEEE TAC 33, 1988", nodes=chebyshev,
                note="its order holds for given controls; optimal ones have order 2 (n odd) or 4 (n even), as its "
-               "costates obey a scheme of lower order (Hager, Numerische Mathematik 87, 2000); raise n instead"),
+               "costates obey a scheme of lower order (Hager, Numerische Mathematik 87, 2000), whatever n is"),
         *map(_simulated, TABLES),
         _fixed(FINITE_DIFFERENCE, "both"),
     )
