@@ -32,6 +32,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
+    if summary["stopped"]:
+        yield "stopped", summary["stopped"]
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     count = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")

@@ -17,8 +17,8 @@
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: engine, every option, seconds_<part> (over all meshes), violations,
-                               unmet_count and unmet (segments that refinement left above its tolerance), scaling
-                               (sizes of the automatic one, JSON)
+                               unmet_count and unmet (segments that refinement left above its tolerance), stopped
+                               (why a mesh after the last is missing), scaling (sizes of the automatic one, JSON)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -244,6 +244,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["violations"] = _texts(map(str, solution.violations))
     group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
+    group.attrs["stopped"] = solution.stopped
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

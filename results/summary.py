@@ -36,6 +36,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "violations": list(solver["violations"]),
         "unmet": list(solver["unmet"]),
         "unmet_count": solver["unmet_count"],
+        "stopped": solver["stopped"],
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "phases": {name: _phase(group) for name, group in file["phase"].items()},

@@ -1,15 +1,18 @@
 """Refinement: meets its tolerance where it can, says where it cannot, and puts the points where they are needed."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import trajopt
 from exact import GROWTH_OBJECTIVE, growth, growth_state
 
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import TOLERATED_EXCESS
+from trajopt.results.reload import reload
 from trajopt.transcription.mesh import Mesh
 from trajopt.transcription.refine import MARGIN, MERGE_MARGIN, refine
 from trajopt.transcription.schemes import find
@@ -97,6 +100,19 @@ def test_what_cannot_be_met_is_told():
     assert solution.unmet
     assert solution.unmet[0].startswith("segment ")
     assert "error" in solution.unmet[0]
+
+
+def test_a_refined_mesh_that_fails_leaves_the_solution_before_it(folder):
+    arguments = ("block_move_min_work", "--set", "mesh=[{method: radau, segments: 20}]", "--refine", "1e-7")
+    run = trajopt("solve", *arguments, "--set", "solver.max_iter=40", "-o", "kept.h5")
+    assert run.exit_code == 0
+    assert "miss the tolerance; the worst: segment" in run.stdout
+    (line,) = (line for line in run.stdout.splitlines() if line.startswith("stopped"))
+    assert line.startswith("stopped     the next mesh, of ")
+    assert line.endswith("failed: ran out of iterations")
+    kept = reload(Path("kept.h5"))
+    assert kept.solved
+    assert kept.objective == pytest.approx(1.11456, abs=1e-3)
 
 
 def test_no_mesh_is_solved_twice_and_a_good_one_stays():

@@ -33,7 +33,8 @@ class MeshRecord:
 class Solution:
     """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.
 
-    unmet: the segments that refinement left above its tolerance, in words, the worst first.
+    unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
+    the last of the history is not in it, if refinement ended because that was not solved.
     """
 
     problem: Problem
@@ -47,6 +48,7 @@ class Solution:
     trouble: str = ""
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
+    stopped: str = ""
 
     @property
     def solved(self) -> bool:

@@ -11,6 +11,7 @@ from ..problems.errors import SpecError
 from ..problems.problem import Problem
 from .mesh import Mesh
 from .one_mesh import Start, Watch, solve_mesh
+from .outcome import Status
 from .refine import MERGING_MESHES, refine
 from .settings import DEFAULT, Refine, Settings, Step
 from .solution import Solution
@@ -54,25 +55,32 @@ def solve(
     problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
     the problem's own. progress: called with the number of the solve and the engine's record of each iteration. stop:
     asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
-    told by the status. The history tells of every mesh solved, a coarse one before a large first one too.
+    told by the status; one on a refined mesh ends refinement, and the solution before it is kept. The history tells of
+    every mesh solved, a coarse one before a large first one too.
     """
-    steps, history, unmet = planned(problem, schedule), [], ()
-    start = Start(guess, None)
+    steps, history, unmet, stopped = planned(problem, schedule), [], (), ""
+    start, good = Start(guess, None), None
     for number in count():
         solution, solved = solve_mesh(*steps[number], settings, start, Watch(progress, stop, len(history)))
+        if good and not solution.status.usable and solution.status is not Status.INTERRUPTED:
+            failed = solution.meshes[-1]
+            stopped = f"the next mesh, of {failed.mesh.segments} segments, failed: {failed.status.message}"
+            solution = good
+            break
         history.extend(solution.meshes)
         if not solution.status.usable:
             break
         start = Start(solution.trajectories, solved)
         after = number + 1 - len(schedule)
         if after >= 0 and settings.refine:
+            good = solution
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
             exact = min(schedule[-1].tolerance, settings.refine.tolerance)  # what is looser shows in the error
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left)
             steps += more
         if number + 1 == len(steps):
             break
-    return replace(solution, meshes=tuple(history), accept=settings.accept, unmet=unmet)
+    return replace(solution, meshes=tuple(history), accept=settings.accept, unmet=unmet, stopped=stopped)
 
 
 def _refined(
