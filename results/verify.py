@@ -228,7 +228,7 @@ def _legendre(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance:
     lowest = np.linalg.eigvalsh((hessian + hessian.transpose(0, 2, 1)) / 2).min(axis=1)
     lowest[~finite] = np.nan
     k = int(np.argmin(lowest))
-    value = float(np.maximum(0.0, -lowest[k]))  # NaN stays NaN
+    value = float(np.maximum(0.0, -lowest[k])) + 0.0  # NaN stays NaN
     return Check("d2H/du2 without negative eigenvalues, relative", value, tolerance, _at(t[k]))
 
 
