@@ -45,6 +45,21 @@ def test_a_jump_inside_a_segment_that_is_integrated_exactly(method):
     assert solution.objective == pytest.approx(2, abs=1e-6)
 
 
+@pytest.mark.parametrize("method", ["hermite-simpson", "runge-kutta-4", "radau"])
+@pytest.mark.parametrize("ends", [((-0.6, 1), (0, 0)), ((0, 0), (0.6, 1))])
+def test_a_jump_on_the_first_or_the_last_segment(method, ends):
+    """To rest at x = 0.6 from v = 1: faster for t = sqrt(1.1) - 1, then brake, T = 1 + 2 t; or the same backwards."""
+    mesh = f"mesh=[{{method: {method}, segments: 6}}]"
+    both = [
+        f"states.{name}.{end}={value}"
+        for end, values in zip(("initial", "final"), ends, strict=True)
+        for name, value in zip("xv", values, strict=True)
+    ]
+    solution = run(load_text(MINIMUM_TIME, "time.yaml", [mesh, *both]))
+    assert not solution.unmet
+    assert solution.objective == pytest.approx(2 * 1.1**0.5 - 1, abs=1e-6)
+
+
 @pytest.mark.parametrize("method", ["runge-kutta-2", "runge-kutta-4", "dormand-prince", "trapezoid"])
 def test_the_integral_of_a_cost_that_no_state_feels(method):
     spec = load_text(COSTLY_END, "cost.yaml", [f"mesh.0.method={method}"])

@@ -5,10 +5,22 @@ import pytest
 from exact import growth
 from named import problem_named
 
+from trajopt.problems.build import build_all
+from trajopt.problems.load import load_text
 from trajopt.transcription.refine import STANDS_OUT, refine
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 from trajopt.transcription.switches import Switches
+
+CONSTANT = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states:
+  x: {rate: "-x + u", initial: 0, final: 1}
+  y: {rate: "-y + w + 0.1*x", initial: 0}
+controls: {u: {}, w: {lower: -1, upper: 1}}
+objective: {maximize: {terminal: "y[final]", integral: "-u**2"}}
+"""  # w is 1 throughout
 
 
 def solved(name: str, method: str, segments: int, *overrides: str):
@@ -55,6 +67,15 @@ def test_smooth_controls_have_none(method, segments):
     (trajectory,) = solve(growth(), [Step(method, segments, 1e-11)]).trajectories
     switches = Switches(trajectory)
     assert not any(switches.jump(s) or switches.kink(s) for s in range(segments))
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-8])
+def test_what_the_barrier_leaves_of_a_constant_control_is_no_jump(tolerance):
+    spec = load_text(CONSTANT, "constant.yaml")
+    (trajectory,) = solve(build_all(spec), [Step("radau", 10, tolerance)]).trajectories
+    w = trajectory.u[1, trajectory.mesh.collocated]
+    assert 0 < np.ptp(w) < 0.02
+    assert not Switches(trajectory).jumps
 
 
 def test_a_kink_that_stands_out_becomes_a_knot():

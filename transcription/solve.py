@@ -17,8 +17,9 @@ from .settings import DEFAULT, Refine, Settings, Step
 from .solution import Solution
 from .transcribe import refused
 
-LOOSE = 1e-5
-"""Tolerance of the engine on a mesh that refinement does not expect to be the last."""
+LOOSE, LOOSENESS = 1e-5, 0.01
+"""Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
+on the mesh before, if that is less; with more the engine takes the interpolated start, which is smooth, for good."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -69,6 +70,7 @@ def solve(
             break
         history.extend(solution.meshes)
         if not solution.status.usable:
+            unmet = ()  # they are of the mesh before
             break
         start = Start(solution.trajectories, solved)
         after = number + 1 - len(schedule)
@@ -97,5 +99,6 @@ def _refined(
     if unmet and left > 0:
         last = left == 1 or all(refinement.enough for refinement in found)
         finer = [refinement.mesh for refinement in found]
-        return unmet, [(problem, finer, tolerance if last else max(tolerance, LOOSE))]
+        loose = min(LOOSE, LOOSENESS * solution.meshes[-1].relative_error)
+        return unmet, [(problem, finer, tolerance if last else max(tolerance, loose))]
     return unmet, [(problem, meshes, tolerance)] if solved_to > tolerance else []

@@ -17,12 +17,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ..problems.problem import Variable
 from .trajectory import Trajectory
 
 SAMPLES = 41  # on each segment; a multiple of 4, plus 1
 NEAR = slice(SAMPLES // 2, None, SAMPLES // 4)  # the samples of the segment before that are continued: 1/2, 3/4, 1
 FAR = slice(0, SAMPLES // 2 + 1, SAMPLES // 4)  # and of the segment after: 0, 1/4, 1/2
 JUMP = 0.25  # of a control's range within one segment
+FLAT = 0.01  # of the distance of a control's bounds: one that varies less shows what the barrier leaves, no range
 STEEP = 4.0  # times the slope of the neighbours' controls, or of the median of the segment's own
 KINK_MISFIT = 0.25  # of the height of the kink above its chord
 
@@ -58,7 +60,7 @@ class Switches:
         found: dict[int, Switch] = {}
         for control, u in zip(self.trajectory.phase.controls, self.u, strict=True):
             left, right = np.append(u[0, 0], u[:-1, -1]), np.append(u[1:, 0], u[-1, -1])
-            height, span = np.abs(right - left), np.ptp(u)
+            height, span = np.abs(right - left), max(float(np.ptp(u)), FLAT * _size(control, u))
             for s in np.flatnonzero((height > JUMP * span) & self._is_steep(u, height)):
                 mean = np.trapezoid(u[s]) / (SAMPLES - 1)
                 tau = np.clip((mean - right[s]) / (left[s] - right[s]), 0.0, 1.0)
@@ -74,9 +76,9 @@ class Switches:
         steps = np.abs(np.diff(u))
         steep = steps.max(axis=1) > STEEP * np.median(steps, axis=1)
         h = self.trajectory.h
-        before, after = np.ptp(u[:-2, NEAR], axis=1) / h[:-2], np.ptp(u[2:, FAR], axis=1) / h[2:]
-        steep[1:-1] |= height[1:-1] / h[1:-1] > STEEP * 2 * np.maximum(before, after)
-        return steep
+        before, after = np.zeros((2, len(h)))
+        before[1:], after[:-1] = np.ptp(u[:-1, NEAR], axis=1) / h[:-1], np.ptp(u[1:, FAR], axis=1) / h[1:]
+        return steep | (height / h > STEEP * 2 * np.maximum(before, after)) & (len(h) > 1)
 
     def kink(self, s: int) -> Switch | None:
         """A kink on segment s, which needs a segment on each side."""
@@ -99,3 +101,9 @@ class Switches:
                 if misfit < KINK_MISFIT * height:
                     found.append(Switch(control.name, crossing, height / (np.ptp(u) or 1.0)))
         return max(found, key=lambda switch: switch.height, default=None)
+
+
+def _size(control: Variable, u: np.ndarray) -> float:
+    """How large a control can be: the distance of its bounds, or else 1 + its largest value."""
+    distance = control.bounds.upper - control.bounds.lower
+    return distance if np.isfinite(distance) else 1.0 + float(np.abs(u).max())
