@@ -109,6 +109,28 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     return specs
 
 
+def build_checked(specs: Sequence) -> list[list]:
+    """The problems of each spec, one for each mesh; what only the methods know of them is asked before any is solved.
+
+    Raises SpecError with all that cannot be transcribed, in any of the files.
+    """
+    from ..problems.build import build_all
+    from ..transcription.settings import steps
+    from ..transcription.solve import planned
+
+    built, mistakes = [], []
+    for spec in specs:
+        try:
+            with located(spec):
+                built.append(build_all(spec))
+                planned(built[-1], steps(spec.mesh))
+        except SpecError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise SpecError(dict.fromkeys(mistakes))
+    return built
+
+
 @contextmanager
 def located(spec) -> Iterator[None]:
     """Mistakes that only the solution of a problem finds, at their place in its file."""

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from .common import command, load_all, located
+from .common import build_checked, command, load_all, located
 from .options import Files, Force, Method, Segments, Set, overrides
 from .printing import one_line, plural
 
@@ -19,13 +19,9 @@ def check(files: Files, *, set_: Set = ()) -> None:
 
     Example: trajopt check my_problem.yaml
     """
-    from ..problems.build import build_all
-    from ..transcription.settings import steps
-    from ..transcription.solve import planned
-
-    for spec in load_all(files, list(set_)):
-        with located(spec):
-            planned(build_all(spec), steps(spec.mesh))
+    specs = load_all(files, list(set_))
+    build_checked(specs)
+    for spec in specs:
         for warning in spec.warnings:
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
         counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))

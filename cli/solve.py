@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
-from .common import INTERRUPTED, NOT_SOLVED, command, load_all, located, native_output
+from .common import INTERRUPTED, NOT_SOLVED, build_checked, command, load_all, native_output
 from .options import Files, Force, Json, Method, Segments, Set, overrides
 from .printing import one_line, print_json
 
@@ -60,17 +60,14 @@ def solve(
     first is solved.
     """
     specs = load_all(files, overrides(set_, method, segments, tol, refine))
-    jobs = _jobs(specs, _targets(specs, output), guess, force)
-    if not quiet:
-        for warning in dict.fromkeys(warning for spec in specs for warning in spec.warnings):
-            print(f"warning: {one_line(str(warning))}", file=sys.stderr)
-        if guess:
-            _tell_what_lacks(guess, jobs)
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
     code = 0
     with _interruptible() as interrupted:
+        jobs = _jobs(specs, _targets(specs, output), guess, force)
+        if not quiet:
+            _warn(jobs, guess)
         for job in jobs:
             solution = _run(job, interrupted, quiet, verbose)
             _tell(job, json_, quiet)
@@ -84,10 +81,13 @@ def solve(
     raise typer.Exit(code)
 
 
-def _tell_what_lacks(guess: Path, jobs: list[_Job]) -> None:
+def _warn(jobs: list[_Job], guess: Path | None) -> None:
+    """What is odd in the files, and what the result to start from lacks; each once."""
     from ..results.restart import lacking
 
-    for warning in dict.fromkeys(warning for job in jobs for warning in lacking(guess, job.problems[0])):
+    odd = [warning for job in jobs for warning in job.spec.warnings]
+    missing = [warning for job in jobs for warning in lacking(guess, job.problems[0])] if guess else []
+    for warning in dict.fromkeys([*odd, *missing]):
         print(f"warning: {one_line(str(warning))}", file=sys.stderr)
 
 
@@ -115,14 +115,12 @@ def _targets(specs: list[Spec], output: str | None) -> list[Path]:
 
 def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
     """All that can go wrong with the files goes wrong here, before the first problem is solved."""
-    from ..problems.build import build_all
     from ..results.restart import guess_from
     from ..results.store import check_target
 
     jobs = []
-    for spec, target in zip(specs, targets, strict=True):
+    for spec, problems, target in zip(specs, build_checked(specs), targets, strict=True):
         check_target(target, spec.name, force)
-        problems = build_all(spec)
         jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None))
     return jobs
 
@@ -134,7 +132,7 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     from .progress import live_line, print_iteration
 
     spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
-    with located(spec), native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
+    with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
         solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
     _keep(job, solution)

@@ -116,12 +116,12 @@ def _between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]
     On a segment in which a control jumps, its polynomial overshoots by a share of the jump, however short the segment
     is: there the excess counts times the segment's share of the phase, and is told.
     """
-    mesh, switches, t = trajectory.mesh, Switches(trajectory), trajectory.dense.t
-    jumps = np.array([switches.jump(s) is not None for s in range(mesh.segments)])
-    weights = np.repeat(np.where(jumps, mesh.widths, 1.0), (len(t) - 1) // mesh.segments)
+    mesh, jumping, t = trajectory.mesh, list(Switches(trajectory).jumps), trajectory.dense.t
+    weights = np.ones((mesh.segments, 1))
+    weights[jumping, 0] = mesh.widths[jumping]
     for excess in excesses(trajectory):
-        peak = np.nan_to_num(excess.values[:-1], nan=np.inf)
-        counted = peak * weights
+        by_segment = np.nan_to_num(trajectory.by_segment(excess.values), nan=np.inf)
+        peak, counted = by_segment.ravel(), (by_segment * weights).ravel()
         k, worst = int(np.argmax(counted)), int(np.argmax(peak))
         where = _at(t[k]) if counted[k] > 0 else ""
         if peak[worst] > tolerance >= counted[k]:

@@ -90,6 +90,17 @@ def test_what_a_method_cannot_do_is_told_by_check_at_its_mesh(folder):
     assert equal.startswith("error: plain.yaml:8: mesh.1: finite-difference needs two or more equal segments")
 
 
+def test_no_file_is_solved_before_all_are_checked(folder):
+    (folder / "good.yaml").write_text(PLAIN)
+    for name in ("a.yaml", "b.yaml"):
+        (folder / name).write_text(PLAIN + "mesh:\n  - {method: finite-difference, segments: 5}\n")
+    for command in ("check", "solve"):
+        run = trajopt(command, "good.yaml", "a.yaml", "b.yaml")
+        assert run.exit_code == 2 and not run.stdout
+        assert [line.split(": ")[1] for line in run.stderr.splitlines()] == ["a.yaml:7", "b.yaml:7"]
+    assert not list(folder.glob("*.h5"))
+
+
 def test_what_only_the_solution_finds_names_the_file(folder):
     (folder / "plain.yaml").write_text(PLAIN)
     run = trajopt("solve", "plain.yaml", "--method", "finite-difference")

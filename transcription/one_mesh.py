@@ -45,7 +45,7 @@ class Watch:
 
 
 @dataclass(frozen=True)
-class Start:
+class Origin:
     """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any."""
 
     guess: Sequence | None
@@ -53,7 +53,7 @@ class Start:
 
 
 def solve_mesh(
-    problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, start: Start, watch: Watch
+    problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, start: Origin, watch: Watch
 ) -> tuple[Solution, Solved]:
     """Solve on one mesh for each phase, to that tolerance of the engine; also gives what the next solve starts from.
 
@@ -67,7 +67,7 @@ def solve_mesh(
     solution, solved = run(coarse, start=start, watch=watch)
     history = solution.meshes
     if solution.status.usable:
-        near = Start(solution.trajectories, solved)
+        near = Origin(solution.trajectories, solved)
         solution, solved = run(meshes, start=near, watch=watch.next(1))
         history += solution.meshes
     if not solution.status.usable and solution.status is not Status.INTERRUPTED:
@@ -86,7 +86,7 @@ def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
 def _run(
-    problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Start, watch: Watch
+    problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Origin, watch: Watch
 ) -> tuple[Solution, Solved]:
     clock = [time.perf_counter()]
     with _no_garbage_collection():

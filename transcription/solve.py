@@ -10,7 +10,7 @@ from itertools import count
 from ..problems.errors import SpecError
 from ..problems.problem import Problem
 from .mesh import Mesh
-from .one_mesh import Start, Watch, solve_mesh
+from .one_mesh import Origin, Watch, solve_mesh
 from .outcome import Status
 from .refine import MERGING_MESHES, refine
 from .settings import DEFAULT, Refine, Settings, Step
@@ -60,7 +60,7 @@ def solve(
     every mesh solved, a coarse one before a large first one too.
     """
     steps, history, unmet, stopped = planned(problem, schedule), [], (), ""
-    start, good = Start(guess, None), None
+    start, good = Origin(guess, None), None
     for number in count():
         solution, solved = solve_mesh(*steps[number], settings, start, Watch(progress, stop, len(history)))
         if good and not solution.status.usable and solution.status is not Status.INTERRUPTED:
@@ -72,7 +72,7 @@ def solve(
         if not solution.status.usable:
             unmet = ()  # they are of the mesh before
             break
-        start = Start(solution.trajectories, solved)
+        start = Origin(solution.trajectories, solved)
         after = number + 1 - len(schedule)
         if after >= 0 and settings.refine:
             good = solution
