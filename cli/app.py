@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from . import files, inspect, plot, verify
-from .compare import compare
-from .reproduce import reproduce
-from .solve import solve
+from .problem_files import files, inspect
+from .result_files import plot, verify
+from .result_files.compare import compare
+from .solving.reproduce import reproduce
+from .solving.solve import solve
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it made itself a cache folder, if the home is no place
 

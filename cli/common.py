@@ -13,7 +13,7 @@ import typer
 
 from ..problems.errors import FileError, Mistake, SpecError, TrajoptError
 from .options import SHORT_FORMS
-from .printing import one_line
+from .output.printing import one_line
 
 NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, INTERRUPTED = 1, 2, 3, 130
 
@@ -94,7 +94,7 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
     """
     from ..problems.catalog import find
     from ..problems.load import load
-    from ..transcription.schemes import METHODS, check_schedule
+    from ..transcription.schemes.table import METHODS, check_schedule
 
     specs, mistakes = [], []
     for name in files:
@@ -144,10 +144,10 @@ def _check_options(engine: str, options: Mapping) -> list[Mistake]:
     if not options:
         return []
     if engine == "newton":
-        from ..transcription.newton import check_options
+        from ..transcription.engines.newton import check_options
 
         return check_options(options)
-    from ..transcription.ipopt import check_options
+    from ..transcription.engines.ipopt import check_options
 
     with open(os.devnull, "w") as nowhere, native_output(nowhere.fileno()):  # IPOPT complains too, less clearly
         return check_options(options)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .dynamics import Declared, DeclaredState
-from .expressions import Expression
+from .expressions.expression import Expression
 from .guess import initial_guess
-from .nonsmooth import Consistent, consistent
+from .names.occurrences import constraint_names, constraints, residual_names
+from .names.symbols import Symbols
+from .names.variables import Declared, DeclaredState
+from .nonsmooth.rewrite import Consistent, consistent
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
-from .spec import Spec
-from .symbols import Symbols
-from .uses import constraint_names, constraints, residual_names
-from .yamltext import Path
+from .schema.spec import Spec
+from .yaml.document import Path
 
 ZERO = Range(0.0, 0.0)
 

@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 from .errors import FileError, Mistake
+from .expressions.slips import nearest
 from .files import check_writable, replacing
-from .syntax import nearest
 
 _FOLDER = Path(__file__).parent
 TEMPLATE = "template"

@@ -7,9 +7,9 @@ from math import inf, isfinite
 
 import numpy as np
 
+from .names.symbols import Symbols
 from .problem import Guess, Range, State, Variable
-from .spec import Spec
-from .symbols import Symbols
+from .schema.spec import Spec
 
 
 def initial_guess(

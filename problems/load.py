@@ -8,16 +8,17 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from . import messages, yamltext
-from .checks import NO_STATES, check
+from .checks.repair import repair
+from .checks.values import NO_STATES, check
 from .errors import FileError, Mistake, SpecError
-from .overrides import override
-from .places import Finding, Places
-from .procedure import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
-from .repair import repair
-from .spec import Spec
-from .syntax import nearest
-from .yamltext import brief
+from .expressions.slips import nearest
+from .schema import messages
+from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
+from .schema.spec import Spec
+from .yaml import document as yamltext
+from .yaml.document import brief
+from .yaml.locations import Finding, Places
+from .yaml.overrides import override
 
 _UNSAFE = {
     "hsllib": "makes the solver load a library",

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
-from ..transcription.polynomials import lagrange_basis
-from .curves import PhaseCurves
-from .curves import read as read_result
-from .summary import summarize
+from ..transcription.schemes.polynomials import lagrange_basis
+from .file.read import PhaseCurves
+from .file.read import read as read_result
+from .file.summary import summarize
 
 NO_PART = {"trajopt", "name", "source", "note", "reference", "mesh", "refine", "solver", "scaling", "guess"}
 """Keys of a problem file that do not change what the problem is."""

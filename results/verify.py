@@ -26,11 +26,11 @@ from pathlib import Path
 import numpy as np
 
 from ..problems.problem import Phase, Range
-from ..transcription.error import excesses
-from ..transcription.implicit import consistent_inputs
-from ..transcription.switches import Switches
-from ..transcription.trajectory import Trajectory
-from .reload import Reloaded, reload
+from ..transcription.refinement.switches import Switches
+from ..transcription.solution.error import excesses
+from ..transcription.solution.implicit import consistent_inputs
+from ..transcription.solution.trajectory import Trajectory
+from .file.reload import Reloaded, reload
 
 RTOL, ATOL = 1e-10, 1e-12
 COMPLEX_STEP = 1e-30

@@ -4,8 +4,8 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Problem
-from trajopt.transcription.scheme import Scheme
-from trajopt.transcription.schemes import METHODS, find
+from trajopt.transcription.schemes.scheme import Scheme
+from trajopt.transcription.schemes.table import METHODS, find
 
 COLLOCATION = [name for name in METHODS if isinstance(find(name), Scheme)]
 FAMILIES = [name for name, method in METHODS.items() if method.nodes]

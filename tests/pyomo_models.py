@@ -4,7 +4,7 @@ import numpy as np
 from pyomo import core as pyo
 from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, RangeSet, Set, Var, inequality
 
-from trajopt.transcription.templates import templated
+from trajopt.transcription.program.templates import templated
 
 
 def pendulum_rates(m, k):

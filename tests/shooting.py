@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 from named import problem_named
 
-from trajopt.transcription.runge_kutta import TABLES
+from trajopt.transcription.schemes.runge_kutta import TABLES
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 

@@ -5,7 +5,7 @@ from functools import cache
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.results.store import write
+from trajopt.results.file.write import write
 from trajopt.transcription.settings import Settings, settings_of, steps
 from trajopt.transcription.solve import solve
 

@@ -10,10 +10,10 @@ from command_line import solved_once, trajopt
 from matplotlib.figure import Figure
 from PIL import Image
 
-from trajopt.problems.drawings import DRAWINGS, Circle, Polyline, Rectangle, drawing_of
-from trajopt.results.animate import scene, stop_action
-from trajopt.results.curves import read
-from trajopt.results.style import PARTS
+from trajopt.problems.models.drawings import DRAWINGS, Circle, Polyline, Rectangle, drawing_of
+from trajopt.results.file.read import read
+from trajopt.results.pictures.animate import scene, stop_action
+from trajopt.results.pictures.style import PARTS
 
 pytestmark = pytest.mark.usefixtures("folder")
 

@@ -11,7 +11,7 @@ from walker import LINKS, LOPSIDED, Q0, TABLE_4, G, T, biped, parameters
 from trajopt.problems.errors import SpecError
 from trajopt.problems.models import MODELS, find
 from trajopt.problems.problem import Phase
-from trajopt.transcription.implicit import consistent_inputs
+from trajopt.transcription.solution.implicit import consistent_inputs
 
 # -- mechanics, derived a second time: a chain that floats freely, by Lagrange ---
 

@@ -12,7 +12,7 @@ from command_line import trajopt
 
 from trajopt.cli.app import app
 from trajopt.problems.catalog import shipped
-from trajopt.transcription.schemes import METHODS
+from trajopt.transcription.schemes.table import METHODS
 
 pytestmark = pytest.mark.usefixtures("folder")
 

@@ -7,10 +7,10 @@ from named import problem_named
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.mesh import Mesh
+from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.one_mesh import COARSE, LARGE
-from trajopt.transcription.outcome import Status
-from trajopt.transcription.schemes import find
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step, settings_of
 from trajopt.transcription.solve import solve
 

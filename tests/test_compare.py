@@ -11,7 +11,7 @@ from stored import save_not_finite
 
 from trajopt.problems.errors import SpecError
 from trajopt.results.compare import _distance, compare, differences
-from trajopt.results.curves import Curve, PhaseCurves
+from trajopt.results.file.read import Curve, PhaseCurves
 
 
 @pytest.fixture(scope="module")

@@ -14,13 +14,13 @@ from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, Range
 from pyomo.core.expr.visitor import identify_variables
 from pyomo_models import free, random_point, small, trajectory, two_phases
 
-from trajopt.transcription import machine_code
-from trajopt.transcription.compiler import CompiledNLP
-from trajopt.transcription.family import NotFinite
-from trajopt.transcription.machine_code import available_backend
-from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.schemes import HERMITE_SIMPSON
-from trajopt.transcription.templates import TemplateError, templated
+from trajopt.transcription.program import machine_code
+from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.family import NotFinite
+from trajopt.transcription.program.machine_code import available_backend
+from trajopt.transcription.program.templates import TemplateError, templated
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.table import HERMITE_SIMPSON
 from trajopt.transcription.transcribe import transcribe
 
 BACKENDS = ("llvm", "lambda")

@@ -7,9 +7,9 @@ from pyomo import core as pyo
 from pyomo.core import ConcreteModel, Constraint, Param
 from pyomo_models import free, random_point, small, trajectory, two_phases
 
-from trajopt.transcription.compiler import CompiledNLP
-from trajopt.transcription.symbolic import FUNCTIONS
-from trajopt.transcription.templates import templated
+from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.symbolic import FUNCTIONS
+from trajopt.transcription.program.templates import templated
 
 BACKENDS = ("llvm", "lambda")
 

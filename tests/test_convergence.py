@@ -16,10 +16,10 @@ from exact import (
 )
 from named import COLLOCATION, FAMILIES
 
-from trajopt.transcription.outcome import Status
-from trajopt.transcription.runge_kutta import TABLES
-from trajopt.transcription.schemes import METHODS as TABLE
-from trajopt.transcription.schemes import find
+from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.schemes.runge_kutta import TABLES
+from trajopt.transcription.schemes.table import METHODS as TABLE
+from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 

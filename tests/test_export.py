@@ -15,9 +15,9 @@ from matplotlib.mathtext import MathTextParser
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.transcription.export import export
-from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.schemes import find
+from trajopt.transcription.export.export import export
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import steps
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, transcribe

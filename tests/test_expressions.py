@@ -8,8 +8,8 @@ import numpy as np
 import pyomo.core
 import pytest
 
-from trajopt.problems.expressions import parse
-from trajopt.problems.syntax import FUNCTIONS, ExpressionError
+from trajopt.problems.expressions.expression import parse
+from trajopt.problems.expressions.slips import FUNCTIONS, ExpressionError
 
 NAMES = {"x": 0.7, "y": -0.3, "q1": 1.9, "u_max": 2.5}
 PYTHON = {**{name: getattr(math, name) for name in FUNCTIONS}, "pi": math.pi, "__builtins__": {}}

@@ -9,7 +9,7 @@ from command_line import trajopt
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
-from trajopt.transcription.schemes import METHODS
+from trajopt.transcription.schemes.table import METHODS
 from trajopt.transcription.settings import Settings, steps
 from trajopt.transcription.solve import solve
 

@@ -7,8 +7,8 @@ import pytest
 from exported import evaluate_tex
 from pyomo.core import ConcreteModel, Var
 
-from trajopt.transcription.formula import LINE, Printer, lines, name, number
-from trajopt.transcription.symbolic import FUNCTIONS
+from trajopt.transcription.export.formula import LINE, Printer, lines, name, number
+from trajopt.transcription.program.symbolic import FUNCTIONS
 
 MODEL = ConcreteModel()
 MODEL.x, MODEL.y, MODEL.z = Var(), Var(), Var()

@@ -79,7 +79,7 @@ def test_in_the_middle_of_a_solve(folder, number):
     check_interrupted("a.h5")
 
 
-@pytest.mark.parametrize("module", ["typer", "trajopt.cli.solve", "inspect"])
+@pytest.mark.parametrize("module", ["typer", "trajopt.cli.solving.solve", "inspect"])
 def test_while_the_command_line_is_loaded(folder, module):
     """The signal comes as the module is imported."""
     script = (

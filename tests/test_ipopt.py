@@ -9,10 +9,10 @@ import pytest
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.transcription import ipopt
-from trajopt.transcription.compiler import CompiledNLP
-from trajopt.transcription.ipopt import COLUMNS, Start, check_options
-from trajopt.transcription.outcome import Status
+from trajopt.transcription.engines import ipopt
+from trajopt.transcription.engines.ipopt import COLUMNS, Start, check_options
+from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import bounded_start, transcribe

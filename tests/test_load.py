@@ -6,10 +6,10 @@ import broken
 import pytest
 import yaml
 
-from trajopt.problems import yamltext
 from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import Mistake, SpecError
 from trajopt.problems.load import load, load_text
+from trajopt.problems.yaml import document as yamltext
 
 
 def good(*overrides: str, text: str = broken.GOOD):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.schemes import HERMITE_SIMPSON, METHODS, TRAPEZOID, find
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.table import HERMITE_SIMPSON, METHODS, TRAPEZOID, find
 
 
 @pytest.mark.parametrize("method", METHODS)

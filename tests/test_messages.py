@@ -11,11 +11,11 @@ import pytest
 from pydantic import BaseModel
 
 from trajopt.cli.common import load_all
-from trajopt.problems import yamltext
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.problems.messages import EXAMPLES, form
-from trajopt.problems.spec import Spec
+from trajopt.problems.schema.messages import EXAMPLES, form
+from trajopt.problems.schema.spec import Spec
+from trajopt.problems.yaml import document as yamltext
 
 # Every section and every key that the good file leaves out, so that the walk meets it.
 FULL = {

@@ -5,10 +5,10 @@ import pytest
 from pyomo.core import ConcreteModel, Constraint, Objective, Var, exp, log
 
 from trajopt.problems.errors import SpecError
-from trajopt.transcription import newton
-from trajopt.transcription.compiler import CompiledNLP
-from trajopt.transcription.outcome import Status
-from trajopt.transcription.templates import templated
+from trajopt.transcription.engines import newton
+from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.templates import templated
 
 
 def program(objective=lambda x1, x2: 0 * x1, *constraints):

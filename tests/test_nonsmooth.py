@@ -8,7 +8,7 @@ import pytest
 from nonsmooth_files import loaded
 
 from trajopt.problems.build import build, build_all
-from trajopt.problems.expressions import parse
+from trajopt.problems.expressions.expression import parse
 from trajopt.problems.problem import Range
 
 

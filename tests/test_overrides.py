@@ -5,7 +5,7 @@ from command_line import trajopt
 
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.transcription.schemes import METHODS
+from trajopt.transcription.schemes.table import METHODS
 
 PLAIN = """trajopt: 1
 time: {initial: 0, final: 1}

@@ -15,9 +15,9 @@ from PIL import Image
 
 from trajopt.problems.errors import SpecError
 from trajopt.problems.problem import Range
-from trajopt.results import mesh_plots, plots
-from trajopt.results.curves import bounds_of, read
-from trajopt.results.style import DPI, Numbers, drawn_by_us
+from trajopt.results.file.read import bounds_of, read
+from trajopt.results.pictures import mesh_plots, plots
+from trajopt.results.pictures.style import DPI, Numbers, drawn_by_us
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -288,7 +288,7 @@ def test_numbers_beside_an_axis(ticks, texts):
 
 def test_no_window_system_and_no_start_up_time_is_needed(solved, folder):
     script = (
-        "import sys; from trajopt.cli.plot import plot; assert 'matplotlib' not in sys.modules\n"
+        "import sys; from trajopt.cli.result_files.plot import plot; assert 'matplotlib' not in sys.modules\n"
         f"plot([__import__('pathlib').Path({str(solved('cartpole'))!r})], output='u.png', only='u')\n"
         "assert 'matplotlib.pyplot' not in sys.modules"
     )

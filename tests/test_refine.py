@@ -12,11 +12,11 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import TOLERATED_EXCESS
-from trajopt.results.reload import reload
-from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.outcome import Status
-from trajopt.transcription.refine import MARGIN, MERGE_MARGIN, refine
-from trajopt.transcription.schemes import find
+from trajopt.results.file.reload import reload
+from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.refinement.refine import MARGIN, MERGE_MARGIN, refine
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Refine, Settings, Step, settings_of, steps
 from trajopt.transcription.solve import LOOSE, LOOSENESS, solve
 

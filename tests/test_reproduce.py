@@ -9,9 +9,19 @@ import pytest
 from command_line import process, trajopt
 from PIL import Image
 
-from trajopt.results.figures.example import Run, peak
-from trajopt.results.paper_values import EFFORTS, SWITCH, U_MAX, VALUES, WORK, at_least, at_most, near, printed
-from trajopt.results.reproduce import EXAMPLES
+from trajopt.results.reproduction.figures.example import Run, peak
+from trajopt.results.reproduction.paper_values import (
+    EFFORTS,
+    SWITCH,
+    U_MAX,
+    VALUES,
+    WORK,
+    at_least,
+    at_most,
+    near,
+    printed,
+)
+from trajopt.results.reproduction.reproduce import EXAMPLES
 
 pytestmark = pytest.mark.usefixtures("folder")
 

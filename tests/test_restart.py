@@ -8,7 +8,7 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load
-from trajopt.results.restart import guess_from, lacking
+from trajopt.results.file.guess import guess_from, lacking
 from trajopt.transcription.settings import steps
 from trajopt.transcription.solve import solve
 

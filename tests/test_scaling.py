@@ -9,8 +9,8 @@ import pytest
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.results.store import write
-from trajopt.transcription.compiler import CompiledNLP
+from trajopt.results.file.write import write
+from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solve import solve

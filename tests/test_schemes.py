@@ -5,9 +5,9 @@ import pytest
 from named import COLLOCATION, FAMILIES
 
 from trajopt.problems.errors import SpecError
-from trajopt.transcription.polynomials import integrated_basis, lagrange_basis
-from trajopt.transcription.scheme import Scheme
-from trajopt.transcription.schemes import FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, find
+from trajopt.transcription.schemes.polynomials import integrated_basis, lagrange_basis
+from trajopt.transcription.schemes.scheme import Scheme
+from trajopt.transcription.schemes.table import FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, find
 
 ALL = {name: find(name) for name in COLLOCATION}
 ALL |= {

@@ -9,12 +9,12 @@ from shooting import SCHEMES, solved
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.results.reload import reload
-from trajopt.results.store import write
-from trajopt.transcription.export import export
-from trajopt.transcription.mesh import Mesh
-from trajopt.transcription.runge_kutta import CONTROLS
-from trajopt.transcription.schemes import find
+from trajopt.results.file.reload import reload
+from trajopt.results.file.write import write
+from trajopt.transcription.export.export import export
+from trajopt.transcription.schemes.mesh import Mesh
+from trajopt.transcription.schemes.runge_kutta import CONTROLS
+from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Refine, Settings, Step, steps
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import transcribe

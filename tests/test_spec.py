@@ -14,13 +14,13 @@ from named import FAMILIES
 from trajopt.problems.build import build
 from trajopt.problems.catalog import find, shipped, start_new
 from trajopt.problems.errors import FileError
-from trajopt.problems.fields import MAX_DEGREE
+from trajopt.problems.expressions.slips import FUNCTIONS
 from trajopt.problems.load import load, load_text
 from trajopt.problems.problem import Range
-from trajopt.problems.spec import Spec, schema
-from trajopt.problems.syntax import FUNCTIONS
-from trajopt.transcription.runge_kutta import TABLES
-from trajopt.transcription.schemes import DEFAULT_DEGREE, INTEGRAL_DEGREE
+from trajopt.problems.schema.spec import Spec, schema
+from trajopt.problems.schema.values import MAX_DEGREE
+from trajopt.transcription.schemes.runge_kutta import TABLES
+from trajopt.transcription.schemes.table import DEFAULT_DEGREE, INTEGRAL_DEGREE
 
 DOCS = (Path(__file__).parent.parent / "docs" / "problem_file.md").read_text()
 SHIPPED = [*shipped().values(), find("cartpole").with_name("template.yaml")]

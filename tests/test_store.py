@@ -19,11 +19,11 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, State, Variable
-from trajopt.results import store
-from trajopt.results.restart import guess_from
-from trajopt.results.store import write
-from trajopt.results.summary import summarize
-from trajopt.transcription.ipopt import COLUMNS
+from trajopt.results.file import write as store
+from trajopt.results.file.guess import guess_from
+from trajopt.results.file.summary import summarize
+from trajopt.results.file.write import write
+from trajopt.transcription.engines.ipopt import COLUMNS
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
 

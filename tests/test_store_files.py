@@ -10,9 +10,9 @@ import pytest
 from stored import save, solved
 
 from trajopt.problems.errors import FileError
-from trajopt.results import store
-from trajopt.results.store import check_target, open_result, write
-from trajopt.results.summary import summarize
+from trajopt.results.file import write as store
+from trajopt.results.file.summary import summarize
+from trajopt.results.file.write import check_target, open_result, write
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):

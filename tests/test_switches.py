@@ -7,10 +7,10 @@ from named import problem_named
 
 from trajopt.problems.build import build_all
 from trajopt.problems.load import load_text
-from trajopt.transcription.refine import STANDS_OUT, refine
+from trajopt.transcription.refinement.refine import STANDS_OUT, refine
+from trajopt.transcription.refinement.switches import Switches
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
-from trajopt.transcription.switches import Switches
 
 CONSTANT = """
 trajopt: 1

@@ -13,8 +13,8 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Range
-from trajopt.results.reload import reload
-from trajopt.results.store import write
+from trajopt.results.file.reload import reload
+from trajopt.results.file.write import write
 from trajopt.results.verify import _natural_residual, simulate, verify
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from named import problem_named
 
-from trajopt.transcription.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import transcribe

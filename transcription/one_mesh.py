@@ -12,15 +12,15 @@ from functools import partial
 import numpy as np
 
 from ..problems.problem import Problem
-from .costate import with_costates
-from .diagnose import diagnose
-from .error import ErrorProfile, error_profile
-from .mesh import Mesh
-from .outcome import Outcome, Status
+from .engines.outcome import Outcome, Status
 from .scaling import scale
+from .schemes.mesh import Mesh
 from .settings import Settings
-from .solution import MeshRecord, Solution
-from .trajectory import trajectories
+from .solution.costate import with_costates
+from .solution.diagnose import diagnose
+from .solution.error import ErrorProfile, error_profile
+from .solution.solution import MeshRecord, Solution
+from .solution.trajectory import trajectories
 from .transcribe import bounded_start, compiled, transcribe
 from .warm import Solved, warm_start
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problems.problem import Range, Variable
-from .compiler import CompiledNLP
-from .family import NotFinite
+from .program.compiler import CompiledNLP
+from .program.family import NotFinite
 from .transcribe import Transcription
 
 SIZES = (1e-4, 1e4)

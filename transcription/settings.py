@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..problems.procedure import Mesh as MeshEntry
-from ..problems.spec import Spec
-from . import ipopt
-from .mesh import Mesh
-from .outcome import Outcome, Status
-from .schemes import find
+from ..problems.schema.solving import Mesh as MeshEntry
+from ..problems.schema.spec import Spec
+from .engines import ipopt
+from .engines.outcome import Outcome, Status
+from .schemes.mesh import Mesh
+from .schemes.table import find
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Settings:
         """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
         if self.engine == "ipopt":
             return ipopt.solve
-        from . import newton
+        from .engines import newton
 
         return newton.solve
 

@@ -9,12 +9,12 @@ from itertools import count
 
 from ..problems.errors import SpecError
 from ..problems.problem import Problem
-from .mesh import Mesh
+from .engines.outcome import Status
 from .one_mesh import Origin, Watch, solve_mesh
-from .outcome import Status
-from .refine import MERGING_MESHES, refine
+from .refinement.refine import MERGING_MESHES, refine
+from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
-from .solution import Solution
+from .solution.solution import Solution
 from .transcribe import refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01

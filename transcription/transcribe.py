@@ -18,14 +18,14 @@ from pyomo.core import Block, ConcreteModel, Objective, Var
 
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Phase, Problem
-from .builder import Family, bound
-from .collocation import CollocationBuilder
-from .finite_difference import DifferenceBuilder
-from .finite_difference import refused as not_for_differences
-from .mesh import Mesh
-from .runge_kutta import Shooting
-from .scheme import FiniteDifference
-from .templates import templated
+from .collocation.builder import Family, bound
+from .collocation.differences import DifferenceBuilder
+from .collocation.differences import refused as not_for_differences
+from .collocation.segments import CollocationBuilder
+from .program.templates import templated
+from .schemes.mesh import Mesh
+from .schemes.runge_kutta import Shooting
+from .schemes.scheme import FiniteDifference
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
 
@@ -90,7 +90,7 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: 
 
 
 def _transcribe_shooting(problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool) -> Transcription:
-    from .shooting import transcribe as transcribe_shooting
+    from .shooting.rows import transcribe as transcribe_shooting
 
     if not templates:
         what = "a simulation has no equations to write down, so a shooting method cannot be exported"
@@ -101,10 +101,10 @@ def _transcribe_shooting(problem: Problem, meshes: Sequence[Mesh], guess: Sequen
 def compiled(transcription: Transcription):
     """The nonlinear program of a transcription: a CompiledNLP, or a ShootingNLP with the same callbacks."""
     if transcription.model is None:
-        from .shooting_nlp import ShootingNLP
+        from .shooting.program import ShootingNLP
 
         return ShootingNLP(transcription)
-    from .compiler import CompiledNLP
+    from .program.compiler import CompiledNLP
 
     return CompiledNLP(transcription.model, transcription.variables)
 
@@ -134,7 +134,7 @@ def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
         if isinstance(scheme, FiniteDifference):
             yield from not_for_differences(phase, mesh)
         elif isinstance(scheme, Shooting):
-            from .shooting import refused as not_for_shooting
+            from .shooting.rows import refused as not_for_shooting
 
             yield from not_for_shooting(problem, phase, mesh)
 

@@ -16,14 +16,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .builder import Family
-from .compiler import CompiledNLP
-from .ipopt import Start
-from .mesh import Group
-from .outcome import Outcome
-from .runge_kutta import Shooting
-from .scheme import Scheme
-from .trajectory import Trajectory
+from .collocation.builder import Family
+from .engines.ipopt import Start
+from .engines.outcome import Outcome
+from .program.compiler import CompiledNLP
+from .schemes.mesh import Group
+from .schemes.runge_kutta import Shooting
+from .schemes.scheme import Scheme
+from .solution.trajectory import Trajectory
 from .transcribe import Layout, Transcription
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 
 from ..errors import Mistake, SpecError
-from ..syntax import nearest
+from ..expressions.slips import nearest
 from .model import Model
 
 MODELS = {"five_link_biped": "five_link_biped"}

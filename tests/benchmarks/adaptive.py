@@ -19,7 +19,7 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.settings import Refine, Settings, Step
-from trajopt.transcription.solution import Solution
+from trajopt.transcription.solution.solution import Solution
 from trajopt.transcription.solve import solve
 
 TOLERANCE = 1e-8

@@ -17,7 +17,7 @@ began = time.perf_counter()
 from trajopt.problems.build import build  # noqa: E402
 from trajopt.problems.catalog import find  # noqa: E402
 from trajopt.problems.load import load  # noqa: E402
-from trajopt.transcription.ipopt import check_options  # noqa: E402
+from trajopt.transcription.engines.ipopt import check_options  # noqa: E402
 from trajopt.transcription.settings import settings_of, steps  # noqa: E402
 from trajopt.transcription.solve import solve  # noqa: E402
 

@@ -3,7 +3,7 @@
 `CASES` is data: the tests of the library and of the command line run the same list. `write` puts a case on the disk.
 """
 
-from trajopt.transcription import schemes
+from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS

@@ -1,0 +1,1 @@
+"""Summaries and tables in; what people and scripts read out."""

@@ -1,0 +1,1 @@
+"""Commands on problem files, and on what ships."""

@@ -1,0 +1,108 @@
+"""`trajopt reproduce`: the paper, whole."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..common import INTERRUPTED, NOT_SOLVED, command, native_output
+from ..options import Json
+from ..output.printing import one_line, plural, print_json, print_table, print_title
+from ..output.progress import live_text
+
+if TYPE_CHECKING:
+    from ...results.reproduction.reproduce import Chapter
+
+NAMES = "Examples: block, splines, refinement, cartpole, biped, min_work, points, pendulum. Without any, all of them."
+
+
+@command
+def reproduce(
+    examples: Annotated[list[str], typer.Argument(metavar="EXAMPLE...", help=NAMES, show_default=False)] = (),
+    *,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for all that is made.")] = Path(
+        "reproduction"
+    ),
+    check: Annotated[
+        bool, typer.Option("--check", help="Check every number, also of meshes and methods that no figure shows.")
+    ] = False,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Solve and check only, draw nothing.")] = False,
+    json_: Json = False,
+) -> None:
+    """Reproduce the figures of the paper and check their numbers.
+
+    Example: trajopt reproduce cartpole biped -o figures_of_the_paper
+
+    DIR/index.html shows the figures and the checks, DIR/figures has each figure as .png and .pdf, DIR/results the
+    result files. DIR must be new, empty, or made by this command. The numbers of all that the figures show are always
+    checked; --check adds those of other meshes and methods, and figures are drawn with it too. Exit code 1 if a number
+    is off or a problem was not solved.
+    """
+    from ...results.reproduction.reproduce import INDEX
+    from ...results.reproduction.reproduce import reproduce as run
+
+    try:
+        with native_output(2), live_text("reproducing") as show:
+            chapters = run(
+                examples, output, every=check, figures=not no_figures, progress=show or (lambda text: None),
+                command=shlex.join(["trajopt", *sys.argv[1:]]),
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        print(f"interrupted; {output} holds what was done until then", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    if json_:
+        print_json(_summary(chapters, output))
+    else:
+        _print(chapters)
+        print(output / INDEX)
+    if not all(chapter.passed for chapter in chapters):
+        raise typer.Exit(NOT_SOLVED)
+
+
+def _print(chapters: Sequence[Chapter]) -> None:
+    from ...results.reproduction.page import shown
+
+    for chapter in filter(lambda chapter: chapter.table, chapters):
+        head, *rows = chapter.table
+        print_table(head, rows, right=head)
+        print()
+    if efforts := [effort for chapter in chapters for effort in chapter.efforts]:
+        head = ("", "paper: iterations", "seconds", "here: iterations", "seconds ")
+        print_table(head, [effort.row for effort in efforts], right=head[1:])
+        print()
+    checks = [check for chapter in chapters for check in chapter.checks]
+    rows = [
+        ("pass" if c.passed else "FAIL", c.example, c.value.name, c.value.expected, shown(c.number), c.value.source)
+        for c in checks
+    ]
+    print_table(("", "example", "check", "expected", "got", "source"), rows, right=("got",))
+    unsolved = [(run, message) for chapter in chapters for run, message in chapter.unsolved.items()]
+    for run, message in unsolved:
+        print(f"FAIL  {run} was not solved: {one_line(message)}")
+    failed = sum(not check.passed for check in checks) + len(unsolved)
+    verdict = f"{plural(failed, 'failure')}" if failed else "all pass"
+    print()
+    print_title(f"{plural(len(checks), 'check')}: {verdict}", not failed)
+
+
+def _summary(chapters: Sequence[Chapter], folder: Path) -> dict:
+    return {
+        "folder": str(folder),
+        "passed": all(chapter.passed for chapter in chapters),
+        "unsolved": {run: message for chapter in chapters for run, message in chapter.unsolved.items()},
+        "checks": [
+            {"example": c.example, "check": c.value.name, "expected": c.value.expected, "got": c.number,
+             "passed": c.passed, "source": c.value.source}
+            for chapter in chapters for c in chapter.checks
+        ],
+        "efforts": [
+            {"what": e.paper.what, "paper": {"iterations": e.paper.iterations, "seconds": e.paper.seconds},
+             "here": {"iterations": e.iterations, "seconds": e.seconds}}
+            for chapter in chapters for e in chapter.efforts
+        ],
+    }  # fmt: skip

@@ -1,0 +1,189 @@
+"""`trajopt solve`: problem files -> results."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shlex
+import signal
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ...problems.errors import FileError, Mistake, SpecError
+from ..common import INTERRUPTED, NOT_SOLVED, build_checked, command, load_all, native_output
+from ..options import Files, Force, Json, Method, Segments, Set, overrides
+from ..output.printing import one_line, print_json
+
+if TYPE_CHECKING:
+    from ...problems.problem import Guess, Problem
+    from ...problems.schema.spec import Spec
+    from ...transcription.solution.solution import Solution
+
+Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
+Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
+RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
+GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
+Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
+
+
+@command
+def solve(
+    files: Files,
+    *,
+    output: Output = None,
+    set_: Set = (),
+    method: Method = None,
+    segments: Segments = None,
+    tol: Tolerance = None,
+    refine: RefineTo = None,
+    guess: GuessFile = None,
+    json_: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    plot: Plot = False,
+    force: Force = False,
+) -> None:
+    """Solve problems and write a result file for each.
+
+    Example: trajopt solve cartpole --set parameters.u_max=12 -o swing.h5
+
+    Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
+    first is solved.
+    """
+    specs = load_all(files, overrides(set_, method, segments, tol, refine))
+    logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
+    if verbose:
+        logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
+    code = 0
+    with _interruptible() as interrupted:
+        jobs = _jobs(specs, _targets(specs, output), guess, force)
+        if not quiet:
+            _warn(jobs, guess)
+        for job in jobs:
+            solution = _run(job, interrupted, quiet, verbose)
+            _tell(job, json_, quiet)
+            if plot:
+                from ..result_files.plot import draw_trajectory
+
+                print(f"picture: {draw_trajectory(job.target, force)}", file=sys.stderr)
+            if interrupted():
+                raise typer.Exit(INTERRUPTED)
+            code = code if solution.solved else NOT_SOLVED
+    raise typer.Exit(code)
+
+
+def _warn(jobs: list[_Job], guess: Path | None) -> None:
+    """What is odd in the files, and what the result to start from lacks; each once."""
+    from ...results.file.guess import lacking
+
+    odd = [warning for job in jobs for warning in job.spec.warnings]
+    missing = [warning for job in jobs for warning in lacking(guess, job.problems[0])] if guess else []
+    for warning in dict.fromkeys([*odd, *missing]):
+        print(f"warning: {one_line(str(warning))}", file=sys.stderr)
+
+
+@dataclass(frozen=True)
+class _Job:
+    spec: Spec
+    problems: list[Problem]
+    target: Path
+    guess: list[Guess] | None
+
+
+def _targets(specs: list[Spec], output: str | None) -> list[Path]:
+    """Where each result goes; two problems may not go to one file."""
+    names = [Path(spec.file).stem + ".h5" for spec in specs]
+    if output is not None and not Path(output).is_dir():
+        if len(specs) == 1 and not output.endswith(os.sep):
+            return [Path(output)]
+        reason = f"there are {len(specs)} problems" if len(specs) > 1 else "its name ends like that of a folder"
+        raise SpecError(Mistake(f"-o {output}", f"this is no folder, but {reason}", "create the folder first"))
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise SpecError(Mistake(twice, "two of the problems would go to this file", "solve one of them with -o"))
+    return [Path(output or "") / name for name in names]
+
+
+def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
+    """All that can go wrong with the files goes wrong here, before the first problem is solved."""
+    from ...results.file.guess import guess_from
+    from ...results.file.write import check_target
+
+    jobs = []
+    for spec, problems, target in zip(specs, build_checked(specs), targets, strict=True):
+        check_target(target, spec.name, force)
+        jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None))
+    return jobs
+
+
+def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
+    """Solve and write the result."""
+    from ...transcription.settings import settings_of, steps
+    from ...transcription.solve import solve as run
+    from ..output.progress import live_line, print_iteration
+
+    spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
+    with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
+        progress = print_iteration if verbose else line
+        solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
+    _keep(job, solution)
+    return solution
+
+
+def _keep(job: _Job, solution: Solution) -> None:
+    """Write the result; if its place has gone since the start, elsewhere, since a solve can take hours."""
+    from ...results.file.write import write
+
+    told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.spec.overrides
+    try:
+        write(job.target, solution, *told)
+    except FileError as error:
+        rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / job.target.name
+        write(rescued, solution, *told)
+        (mistake,) = error.mistakes
+        raise FileError(replace(mistake, remedy=f"the result is in {rescued}, move it from there")) from error
+
+
+def _tell(job: _Job, as_json: bool, quiet: bool) -> None:
+    """Print what the result file holds; a failure also goes to standard error if the table is not seen there."""
+    from ...results.file.summary import summarize
+    from ..output.table import causes, print_summary
+
+    summary = summarize(job.target)
+    if as_json:
+        print_json(summary)
+    elif not quiet:
+        print_summary(summary)
+    if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):
+        why = "; ".join([summary["message"], *causes(summary)[:1], summary["remedy"]])
+        print(f"not solved: {one_line(summary['problem'])}: {one_line(why)}", file=sys.stderr)
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """A function that tells whether Ctrl-C (or a scheduler's SIGTERM) has come; a second one ends at once."""
+    seen = []
+
+    def note(number, frame):
+        if seen:
+            logging.disable()  # Pyomo would report the interrupted rule as an error
+            raise KeyboardInterrupt
+        seen.append(number)
+        if sys.stderr.isatty():  # not print: the signal may have come in the middle of another one
+            os.write(2, b"\nstopping after this iteration; once more to stop at once, without a result\n")
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(seen)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,1 @@
+"""A Spec in; every mistake and warning that concerns more than one value out."""

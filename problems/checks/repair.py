@@ -1,0 +1,111 @@
+"""A file with mistakes made readable, so that mistakes the schema cannot see are reported along with the others.
+
+What the schema refuses is replaced by something harmless: an unknown value, about which no check says anything.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+from pydantic import ValidationError
+
+from ..expressions.slips import nearest
+from ..names.symbols import UNKNOWN
+from ..schema.spec import Spec
+from ..yaml.document import Path
+from ..yaml.locations import MAX_FINDINGS
+
+_ROUNDS = 5  # removing one thing may show that another is missing
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
+_FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
+
+_WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack"}
+_OBJECTIVE = {"minimize": {"integral": UNKNOWN}}
+
+
+def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
+    """The spec that is left when everything in `error` is made harmless, or None if too little is left to check.
+
+    Without a section of names, which names are unknown cannot be told: then the answer is None too.
+    """
+    if error.error_count() > MAX_FINDINGS:
+        return None
+    data = copy.deepcopy(data)
+    for _ in range(_ROUNDS):
+        for mistake in error.errors(include_url=False, include_input=False):
+            path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
+            if len(path) <= 1 and (extra or not path or path[0] in _SECTIONS):
+                return None
+            _replace(data, path, extra)
+        try:
+            return Spec.model_validate(data)
+        except ValidationError as remaining:
+            error = remaining
+    return None
+
+
+def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
+    """Put something harmless at a path, or at the value on the way that is no mapping, or take it away."""
+    if path[0] in _WHOLE:
+        data[path[0]] = _WHOLE[path[0]]
+        return
+    nodes: list[Any] = [data]
+    while len(nodes) < len(path) and isinstance(inner := _below(nodes[-1], path[len(nodes) - 1]), dict | list):
+        nodes.append(inner)
+    if isinstance(nodes[-1], list) and not isinstance(path[len(nodes) - 1], int):
+        # a list where one value should stand
+        nodes.pop()
+    path = path[: len(nodes)]
+    if path[0] == "states" and _keeps_dynamics(nodes[-1], path[-1], extra):
+        return
+    harmless = None if extra else _harmless(path)
+    if harmless is None and isinstance(nodes[-1], dict):
+        nodes[-1].pop(path[-1], None)
+    else:
+        nodes[-1][path[-1]] = harmless
+
+
+def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:
+    """Mend a state without taking its dynamics, or the name of its velocity, away; whether that was the mistake."""
+    entry = node.get(key)
+    if extra and nearest(key, ("rate", "accel")):
+        node["rate" if "velocity" not in node else "accel"] = UNKNOWN
+        del node[key]
+        return True
+    if isinstance(entry, dict) and "rate" in entry and entry.keys() & {"accel", "velocity"}:
+        del entry["rate"]
+        entry.setdefault("accel", UNKNOWN)
+        return True
+    return False
+
+
+def _below(node: Any, key: str | int) -> Any:
+    if isinstance(node, dict):
+        return node.get(key)
+    return node[key] if isinstance(key, int) and key < len(node) else None
+
+
+def _harmless(path: Path) -> Any:
+    """A value about which no check says anything; None where the key is better left out."""
+    known = UNKNOWN if path[-1] in _FORMULAS and len(path) > 1 else None
+    match path:
+        case ("trajopt",):
+            known = 1
+        case ("objective",):
+            known = _OBJECTIVE
+        case ("objective", _):
+            known = _OBJECTIVE["minimize"]
+        case ("time",):
+            known = {"initial": UNKNOWN, "final": UNKNOWN}
+        case ("states", _):
+            known = {"rate": UNKNOWN}
+        case ("controls" | "optimize" | "algebraic", _) | ("states", _, "velocity"):
+            known = {}
+        case ("constraints", _, int()):
+            known = {"expression": UNKNOWN, "equals": UNKNOWN}
+        case ("parameters" | "expressions" | "residuals", _) | (*_, "initial" | "final"):
+            known = UNKNOWN
+        case ("guess", "constants", _) | ("guess", "keyframes", _, _):
+            known = UNKNOWN
+    return known

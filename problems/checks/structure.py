@@ -1,0 +1,175 @@
+"""Checks of how a problem is put together: dynamics that are complete, a model's names, abs and max, the solver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..expressions.slips import nearest
+from ..expressions.smooth import SLACK
+from ..expressions.tree import leaves, rate_of
+from ..models import find
+from ..models.model import Model
+from ..names.occurrences import constraints
+from ..names.symbols import UNKNOWN, Symbols
+from ..nonsmooth.rewrite import consistent, refused
+from ..schema.spec import Spec
+from ..yaml.document import Path, brief
+from ..yaml.locations import Finding
+
+_SHOWN = 5
+
+
+def check(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
+    """Every mistake. numbers: path -> value of the constants that have one."""
+    found = [*refused(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+    if spec.solver.engine == "newton":
+        found += _inequalities(spec, symbols, numbers)
+    return [*found, *(_model(spec, find(spec.model)) if spec.model else _residuals(spec, symbols))]
+
+
+def warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
+    """What is odd in a spec without mistakes."""
+    return [*consistent(spec, symbols).warnings, *_high_index(spec, symbols)]
+
+
+def _widths(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+    """alpha or beta: positive, and one, or one for each entry of the mesh schedule."""
+    if spec.nonsmooth is None or not spec.nonsmooth.widths:
+        return
+    path, meshes = ("nonsmooth", spec.nonsmooth.kind), len(spec.mesh)
+    given = len(spec.nonsmooth.widths)
+    if given not in (1, meshes):
+        what = f"there are {given} values for {_count(meshes, 'entry')} of the mesh schedule"
+        yield Finding(path, what, "give one value, or one for each entry of mesh:")
+    for i in range(given):
+        if numbers.get((*path, i), 1.0) <= 0:
+            what = f"the width of the smoothing is {numbers[*path, i]:g}"
+            yield Finding(path if given == 1 else (*path, i), what, "write a positive number such as 0.01")
+
+
+def _tolerance(spec: Spec) -> Iterator[Finding]:
+    if "tol" in spec.solver.options:
+        remedy = "write it as tolerance: in each entry of mesh:"
+        yield Finding(("solver", "tol"), "the tolerance of the solver belongs to the mesh", remedy)
+
+
+def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """Sizes are given for unknowns only; with `nonsmooth`, for a spec that is otherwise right."""
+    if not isinstance(spec.scaling, dict):
+        return
+    slack = consistent(spec, symbols) if spec.nonsmooth else None
+    variables = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    known = [*(variable.name for variable in variables), *spec.optimize]
+    known += [variable.name for variable in (*slack.controls, *slack.parameters)] if slack else []
+    for name in spec.scaling:
+        if name not in known:
+            close = nearest(name, known)
+            remedy = f"did you mean {close}?" if close else f"those that have one are {_listed(known)}"
+            what = f"{brief(name)} is no state, control or other unknown, so it has no size"
+            yield Finding(("scaling", name), what, remedy)
+
+
+def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+    """What Newton's method cannot do: a range of more than one value, of a variable or of a constraint."""
+    remedy = "make it one value, remove it, or leave out engine: newton"
+    for path, entry, bounds in _ranges(spec, symbols):
+        lower, upper = (numbers.get((*path, key)) for key in ("lower", "upper"))
+        if getattr(entry, "equals", None) is None and lower != upper:
+            what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
+            at = (*path, "lower" if lower is not None else "upper") if bounds else path
+            yield Finding(at, what, remedy)
+    if spec.nonsmooth and spec.nonsmooth.kind == SLACK:
+        what = "the Newton engine takes no bounds, and slack variables have them"
+        yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")
+    for group in (symbols.equations.path, symbols.equations.boundary) if symbols.equations else ():
+        for name, (_, allowed) in group.items():
+            if not allowed.fixed:
+                what = f"the Newton engine takes equality constraints only, and the model has the inequality {name}"
+                yield Finding(("model",), what, "leave out engine: newton")
+
+
+def _ranges(spec: Spec, symbols: Symbols) -> Iterator[tuple[Path, Any, bool]]:
+    """(path, entry, whether it bounds a variable) for all that has lower and upper."""
+    for declared in (*symbols.states, *symbols.controls, *symbols.algebraic):
+        yield declared.path, declared.entry, True
+    for path, entry in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
+        for end in ("initial", "final"):
+            yield (*path, end), getattr(entry, end), True
+    yield from ((("optimize", name), entry, True) for name, entry in spec.optimize.items())
+    yield from ((path, entry, False) for path, entry in constraints(spec))
+
+
+def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """As many residuals as algebraic variables, and every one of these in some residual."""
+    unknowns = [variable.name for variable in symbols.algebraic]
+    if not spec.residuals:
+        yield from _no_residuals(spec, symbols)
+    elif len(spec.residuals) != len(unknowns):
+        variables = _count(len(unknowns), "algebraic variable") + (f" ({_listed(unknowns)})" if unknowns else "")
+        what = f"there must be as many residuals as algebraic variables, not {len(spec.residuals)} for {variables}"
+        yield Finding(("residuals",), what, "a state without rate: or accel: makes its rate an algebraic variable")
+    elif all(symbols.sound(("residuals", i, "expression"), r.expression) for i, r in enumerate(spec.residuals)):
+        held = [_names(residual.expression, symbols) for residual in spec.residuals]
+        for variable in symbols.algebraic:
+            if not any(variable.name in names or UNKNOWN.text in names for names in held):
+                what = f"{variable.name} stands in no residual, so nothing determines it"
+                yield Finding(variable.path, what, f"use {variable.name} in residuals:")
+
+
+def _no_residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    for name in spec.algebraic:
+        yield Finding(("algebraic", name), f"nothing determines {name}", f"add residuals: with {name} in one of them")
+    for state in symbols.states:
+        if state.implicit:
+            key = "accel" if state.velocity_of else "rate"
+            remedy = f"add {key}: an expression, or residuals: with {rate_of(state.name)} in one of them"
+            yield Finding(state.path, f"nothing determines how {state.name} changes: {key} is missing", remedy)
+
+
+def _count(number: int, noun: str) -> str:
+    many = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
+    return f"{number} {noun if number == 1 else many}"
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
+
+
+def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """A residual that leaves the algebraic variables alone makes a problem of higher index, hard for any method."""
+    unknowns = {variable.name for variable in symbols.algebraic}
+    for i, residual in enumerate(spec.residuals):
+        if not unknowns & _names(residual.expression, symbols):
+            what = "no algebraic variable and no x[rate] stands in this residual, so it restricts the states"
+            yield Finding(("residuals", i, "expression"), what, "differentiate it by time until one does")
+
+
+def _names(expression, symbols: Symbols) -> set[str]:
+    """The names in an expression and in the definitions that it uses."""
+    bound = symbols.function(expression)
+    trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]
+    return {name.name for root in trees for name in leaves(root)}
+
+
+def _model(spec: Spec, model: Model) -> Iterator[Finding]:
+    """The file gives every parameter of its model, and says nothing that is the model's to say."""
+    missing = {name: quantity for name, quantity in model.parameters.items() if name not in spec.parameters}
+    for name, quantity in missing.items():
+        what = f"the model {model.name} needs the parameter {name}" + (f", {quantity.note}" if quantity.note else "")
+        yield Finding(("parameters",), what, f"add {name}: under parameters:, in {quantity.unit or 'its unit'}")
+    for group in ("states", "controls", "algebraic"):
+        known = getattr(model, group)
+        for name in (name for name in getattr(spec, group) if name not in known):
+            close = nearest(name, known)
+            others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
+            what = f"the model {model.name} has no {brief(name)} among its {group}"
+            yield Finding((group, name), what, f"did you mean {close}?" if close else others)
+    for name, state in spec.states.items():
+        for key in ("rate", "accel", "velocity"):
+            if getattr(state, key) is not None:
+                what = f"the dynamics are those of the model {model.name}"
+                yield Finding(("states", name, key), what, f"remove {key}:, or model:")
+    if spec.residuals:
+        what = f"the dynamics are those of the model {model.name}"
+        yield Finding(("residuals",), what, "remove residuals:, or model:")

@@ -1,0 +1,293 @@
+"""What the schema cannot say: names that fit together, bounds that leave room, values that exist."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from math import inf, isfinite
+from typing import Any
+
+from ..expressions.expression import Expression
+from ..expressions.slips import MAX_NAME, RESERVED, nearest
+from ..expressions.tree import leaves
+from ..models import find
+from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
+from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
+from ..names.variables import Declared, DeclaredState
+from ..problem import Range
+from ..schema.spec import Spec
+from ..yaml.document import Path, brief
+from ..yaml.locations import Finding
+from . import structure
+
+NO_STATES = Finding(
+    ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
+)
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_TITLE = re.compile(r"\w[\w -]*")
+_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # kinds that should stand in expressions
+
+
+def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
+    """Every mistake and every warning that concerns more than one value."""
+    if not spec.model and not spec.states:
+        return [NO_STATES], []
+    checker = _Checker(spec)
+    checker.names()
+    checker.values()
+    checker.varying_at_ends()
+    checker.time()
+    for declared in checker.declared():
+        checker.bounds(declared.path, declared.entry)
+    for name, static in spec.optimize.items():
+        checker.bounds(("optimize", name), static)
+    for state in checker.symbols.states:
+        checker.ends(state)
+    for path, constraint in constraints(spec):
+        checker.bounds(path, constraint)
+    checker.constraint_names()
+    checker.static_guesses()
+    checker.guess_names()
+    checker.guess_values()
+    checker.errors += structure.check(spec, checker.symbols, checker.numbers)
+    if not (spec.nonsmooth and checker.errors):
+        checker.errors += structure.scaling(spec, checker.symbols)
+    if not checker.errors:
+        checker.objective()
+        checker.constant_constraints()
+        checker.unused()
+        checker.warnings += structure.warnings(spec, checker.symbols)
+    return checker.errors, checker.warnings
+
+
+class _Checker:
+    """Collects the findings about one spec. A value that is itself mistaken is None, and passes the other checks."""
+
+    def __init__(self, spec: Spec):
+        self.spec, self.symbols = spec, Symbols(spec)
+        self.errors: list[Finding] = list(self.symbols.findings)
+        self.warnings: list[Finding] = []
+        self.numbers: dict[Path, float] = {}
+
+    def error(self, path: Path, what: str, remedy: str) -> None:
+        self.errors.append(Finding(path, what, remedy))
+
+    def warn(self, path: Path, what: str, remedy: str) -> None:
+        self.warnings.append(Finding(path, what, remedy))
+
+    def names(self) -> None:
+        """Names are words, not reserved, and each declared once."""
+        spec, first = self.spec, {}
+        model = find(spec.model) if spec.model else None
+        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
+            own = getattr(model, group, {})
+            first |= dict.fromkeys(own, f"the model's {group}")
+            for name in getattr(spec, group):
+                if name not in own:
+                    self.name((group, name), name, first)
+        for state in self.symbols.states:
+            if state.velocity_of:
+                self.name(state.path, state.name, first)
+        for name in self.symbols.equations.outputs if self.symbols.equations else ():
+            if name in first:
+                self.error((first[name], name), f"{name} is an output of the model {spec.model}", "choose another name")
+
+    def name(self, path: Path, name: str, first: dict[str, str]) -> None:
+        """One name; first: every name before it -> where it was declared."""
+        if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
+            what = f'"{brief(name)}" cannot be a name'
+            self.error(path, what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
+        elif name in RESERVED:
+            remedy = f"choose another name, such as {name}1"
+            self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
+        elif name in first:
+            self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
+        first.setdefault(name, path[0])
+
+    def declared(self) -> tuple[Declared, ...]:
+        """Every variable over time."""
+        return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
+
+    def values(self) -> None:
+        """Every constant has a finite value, and no expression divides by a constant zero."""
+        for path, expression, context in uses(self.spec):
+            if path[0] in ("parameters", "expressions") or not self.symbols.sound(path, expression):
+                continue
+            if fault := self.symbols.fault(expression):
+                self.errors.append(no_value(path, fault))
+            elif context == CONSTANT:
+                self.numbers[path] = self.symbols.number(expression, inf)
+
+    def varying_at_ends(self) -> None:
+        """A named expression that varies in time needs [initial] or [final] at the boundary; a constant one none."""
+        for path, expression, context in uses(self.spec):
+            for name in leaves(expression.root) if context == BOUNDARY else ():
+                if name.name not in self.symbols.definitions:
+                    continue
+                varies = name.name in self.symbols.varying
+                if varies and not name.end:
+                    what = f"{name.name} varies in time, but this expression is about the two ends"
+                    self.error(path, what, f"write {name.name}[final] or {name.name}[initial]")
+                elif name.end and not varies:
+                    self.error(path, f"{name.name} is constant and has only one value", f"write {name.name}")
+
+    def bounds(self, path: Path, entry: Any) -> None:
+        lower, upper = self.number(path, entry.lower, "lower"), self.number(path, entry.upper, "upper")
+        if lower is not None and upper is not None and lower > upper:
+            self.error((*path, "lower"), f"lower {lower:g} is above upper {upper:g}", "exchange or change them")
+
+    def range(self, path: Path, entry: Any) -> Range | None:
+        """The range of an entry; None where one of its ends is mistaken."""
+        if entry is None:
+            return Range()
+        fixed = getattr(entry, "value", None)
+        if fixed is not None:
+            value = self.numbers.get((*path, "value"))
+            return None if value is None else Range(value, value)
+        lower, upper = self.number(path, entry.lower, "lower"), self.number(path, entry.upper, "upper")
+        return None if lower is None or upper is None or lower > upper else Range(lower, upper)
+
+    def number(self, path: Path, expression: Expression | None, key: str) -> float | None:
+        if expression is None:
+            return -inf if key == "lower" else inf
+        return self.numbers.get((*path, key))
+
+    def ends(self, state: DeclaredState) -> None:
+        """What is asked at the ends of time lies within the bounds of the state."""
+        bounds = self.range(state.path, state.entry)
+        for end in ("initial", "final"):
+            path, entry = (*state.path, end), getattr(state.entry, end)
+            if entry is None:
+                continue
+            self.bounds(path, entry)
+            asked = self.range(path, entry)
+            if bounds is None or asked is None:
+                continue
+            common = bounds.intersection(asked)
+            if common.lower > common.upper:
+                what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {state.name}"
+                self.error(path, what, "change it, or lower: and upper: of the state")
+
+    def time(self) -> None:
+        entries = {end: getattr(self.spec.time, end) for end in ("initial", "final")}
+        for end, entry in entries.items():
+            self.bounds(("time", end), entry)
+        ranges = {end: self.range(("time", end), entry) for end, entry in entries.items()}
+        initial, final = ranges["initial"], ranges["final"]
+        if initial and final and final.upper <= initial.lower:
+            what = f"the final time {_range(final)} is not after the initial time {_range(initial)}"
+            self.error(("time", "final"), what, "make the final time larger")
+            return
+        guesses = [self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final")]
+        if None not in guesses and guesses[0] >= guesses[1]:
+            what = f"the guess {guesses[1]:g} of the final time is not after that of the initial time, {guesses[0]:g}"
+            self.error(("time", "final"), what, "give guess: a larger value")
+
+    def time_guess(self, end: str, entry: Any, bounds: Range | None) -> float | None:
+        if bounds is None:
+            return None
+        if entry.value is None and entry.guess is None and not (isfinite(bounds.lower) and isfinite(bounds.upper)):
+            what = f"the {end} time is free in the open range {_range(bounds)}, so it needs a guess"
+            self.error(("time", end), what, f"add guess: with a likely value, in {self.spec.time.unit}")
+            return None
+        guess = self.numbers.get(("time", end, "guess"), (bounds.lower + bounds.upper) / 2)
+        self.inside(("time", end, "guess"), [guess], bounds)
+        return guess
+
+    def inside(self, path: Path, values: list[float], bounds: Range | None) -> None:
+        outside = [v for v in values if bounds is not None and not bounds.lower <= v <= bounds.upper]
+        if outside:
+            what = f"the guess {outside[0]:g} lies outside the bounds {_range(bounds)}"
+            self.warn(path, what, "choose a guess inside; the solver moves it there first")
+
+    def constraint_names(self) -> None:
+        equations = self.symbols.equations
+        given = {*equations.path, *equations.boundary, *equations.residuals} if equations else set()
+        paths = [path for path, _ in constraints(self.spec)]
+        paths += [("residuals", i) for i in range(len(self.spec.residuals))]
+        for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
+            if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
+                what = f'"{brief(name)}" cannot be a name'
+                self.error((*path, "name"), what, "use letters, digits, _, - and space")
+            if name in given:
+                self.error((*path, "name"), f'another constraint is called "{name}" too', "give each its own name")
+            given.add(name)
+
+    def static_guesses(self) -> None:
+        for name, static in self.spec.optimize.items():
+            guess = self.numbers.get(("optimize", name, "guess"))
+            if guess is not None:
+                self.inside(("optimize", name, "guess"), [guess], self.range(("optimize", name), static))
+
+    def guess_names(self) -> None:
+        """Constants and keyframes name states, controls and algebraic variables, each in one of the two."""
+        known = [declared.name for declared in self.declared()]
+        keyframes, constants = self.spec.guess.keyframes, self.spec.guess.constants
+        for path in [*(("constants", n) for n in constants), *(("keyframes", n) for n in keyframes)]:
+            if path[1] not in known and path != ("keyframes", "time"):
+                close = nearest(path[1], known)
+                remedy = f"did you mean {close}?" if close else "name a state, a control or an algebraic variable"
+                what = f"{brief(path[1])} is not a state or a control, nor an algebraic variable"
+                self.error(("guess", *path), what, remedy)
+            elif path[0] == "constants" and path[1] in keyframes:
+                self.error(("guess", *path), f"{path[1]} has keyframes as well", "keep one of the two")
+
+    def guess_values(self) -> None:
+        """Keyframes have one length and increasing times; guesses lie inside the bounds."""
+        rows = {("guess", "constants", name): [value] for name, value in self.spec.guess.constants.items()}
+        keyframes = {("guess", "keyframes", name): row for name, row in self.spec.guess.keyframes.items()}
+        first = next(iter(keyframes), None)
+        for path, row in keyframes.items():
+            if len(row) != len(keyframes[first]):
+                what = f"{path[-1]} has {len(row)} keyframes, {first[-1]} has {len(keyframes[first])}"
+                self.error(path, what, "give all of them the same number of values")
+        declared = {variable.name: variable for variable in self.declared()}
+        for path, row in {**rows, **keyframes}.items():
+            keys = [path] if path in rows else [(*path, i) for i in range(len(row))]
+            values = [self.numbers[key] for key in keys if key in self.numbers]
+            if path == ("guess", "keyframes", "time"):
+                if any(later <= earlier for earlier, later in pairwise(values)):
+                    self.error(path, "the times do not increase", "sort them, each larger than the one before")
+            elif variable := declared.get(path[-1]):
+                self.inside(path, values, self.range(variable.path, variable.entry))
+
+    def objective(self) -> None:
+        """The objective depends on something that is to be found."""
+        spec, terms = self.spec, self.spec.objective.terms
+        fixed = {f"t[{end}]" for end in ("initial", "final") if getattr(spec.time, end).value is not None}
+        for state in self.symbols.states:
+            ends = ("initial", "final")
+            ranges = {end: self.range((*state.path, end), getattr(state.entry, end)) for end in ends}
+            fixed |= {f"{state.name}[{end}]" for end, r in ranges.items() if r and r.fixed}
+        functions = [self.symbols.function(e) for e in (terms.integral, terms.terminal) if e]
+        free = set().union(*(function.names for function in functions)) - {"t"} - fixed
+        free_time = spec.time.initial.value is None or spec.time.final.value is None
+        if not free and not (terms.integral and free_time):
+            what = "the objective is a constant: everything in it is fixed"
+            remedy = "let it depend on a control, a free state, or a free time"
+            self.error(("objective", spec.objective.sense), what, remedy)
+
+    def constant_constraints(self) -> None:
+        """A constraint over time or at the ends depends on something that is not a constant."""
+        for path, constraint in constraints(self.spec):
+            if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
+                what = "the constraint is on a constant"
+                self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
+
+    def unused(self) -> None:
+        """Names that are declared and then play no part."""
+        named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
+        if self.spec.model:
+            model = find(self.spec.model)
+            named |= {*model.parameters, *model.controls, *model.algebraic}
+        for name, kind in self.symbols.kinds.items():
+            if kind in _USED and name not in named:
+                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(kind, kind + "s")
+                self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
+
+
+def _range(bounds: Range) -> str:
+    if bounds.fixed:
+        return f"{bounds.lower:g}"
+    return f"{bounds.lower:g} to {bounds.upper:g}"

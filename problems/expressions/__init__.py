@@ -1,0 +1,1 @@
+"""The text of an expression in; a function of named values out."""

@@ -1,0 +1,280 @@
+"""Expression strings as functions of named values: arithmetic, never code.
+
+An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.CALLABLE`, and at the
+boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it. A walk
+does the same operations in the same order at every call, so that every function is consistent in the sense of the
+paper, section 5.5.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from graphlib import CycleError, TopologicalSorter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .slips import FUNCTIONS, MAX_EXPONENT, ExpressionError, shorten, tidy
+from .smooth import EXACT, STAND_INS
+from .tree import External, Name, Node, Number, Operation, leaves, read
+
+
+class Fault(NamedTuple):
+    """The innermost sub-expression without a finite value.
+
+    text: the sub-expression. index: into the array of values, 0 for scalars. values: each of its names -> its value
+    there. why: one phrase, such as "divides by zero".
+    """
+
+    text: str
+    index: int
+    values: dict[str, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A function of named values (`problem.Function`), read by `parse` and completed by `bind`."""
+
+    text: str
+    root: Node = field(repr=False)
+    parameters: Mapping[str, float] = field(default_factory=dict, repr=False, compare=False)
+    definitions: Mapping[str, Expression] = field(default_factory=dict, repr=False, compare=False)
+    static: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+
+    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
+        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once."""
+        return _Walk(values, functions).value(self)
+
+    def bind(
+        self,
+        parameters: Mapping[str, float],
+        definitions: Mapping[str, Expression],
+        static: frozenset[str] = frozenset(),
+    ) -> Expression:
+        """This expression with numbers for its parameters and expressions for the names defined by others.
+
+        static: names of the static parameters; like `parameters` they are the same at both ends of time.
+        """
+        return replace(self, parameters=parameters, definitions=definitions, static=static)
+
+    def fault(self, values: Mapping[str, Any]) -> Fault | None:
+        """The innermost sub-expression without a finite value; None if the expression is finite everywhere.
+
+        values: numbers, or arrays over time of one shape (K,). Names that are not given are unknown, and what depends
+        on them is passed over: `fault({})` finds mistakes that no variable can mend, such as a division by a constant
+        zero.
+        """
+        walk = _Audit(values, np)
+        try:
+            with np.errstate(all="ignore"):
+                walk.value(self)
+        except _Found as found:
+            return found.fault
+        return None
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Names whose values a call needs, spelled "q1[final]" at the boundary."""
+        inner = [self._keys(d.root, end) for d, end in self.steps.values()]
+        return frozenset().union(self._keys(self.root, None), *inner) - self.steps.keys() - self.parameters.keys()
+
+    @cached_property
+    def steps(self) -> dict[str, tuple[Expression, str | None]]:
+        """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
+        found: dict[str, tuple[Expression, str | None]] = {}
+        graph: dict[str, set[str]] = {}
+        waiting = [(n.name, n.end) for n in leaves(self.root)]
+        while waiting:
+            name, end = waiting.pop()
+            key = self._key(name, end)
+            if name not in self.definitions or key in found:
+                continue
+            definition = self.definitions[name]
+            found[key] = definition, end
+            graph[key] = self._keys(definition.root, end)
+            waiting += [(n.name, end) for n in leaves(definition.root)]
+        return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
+
+    def _keys(self, root: Node, end: str | None) -> set[str]:
+        return {self._key(n.name, n.end or end) for n in leaves(root)}
+
+    def _key(self, name: str, end: str | None) -> str:
+        fixed = end is None or name in self.parameters or name in self.static
+        return name if fixed else f"{name}[{end}]"
+
+    def constant(self) -> float:
+        """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
+        with np.errstate(all="ignore"):
+            return float(_Walk({}, np, np.float64).value(self))
+
+
+def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], list[list[str]]]:
+    """The names of a graph, each after those it refers to, and the circles found in it, each as [a, b, a].
+
+    Names in a circle are left out of the order. After `most` circles the search ends, and the order is empty.
+    """
+    graph, circles = dict(graph), []
+    while len(circles) < most:
+        try:
+            return [name for name in TopologicalSorter(graph).static_order() if name in graph], circles
+        except CycleError as error:
+            circles.append(error.args[1][::-1])
+            graph = {name: needs.difference(circles[-1]) for name, needs in graph.items() if name not in circles[-1]}
+    return [], circles
+
+
+def power(base: Any, exponent: Any) -> Any:
+    """base ** exponent; a whole exponent stays whole, so that x**2 is x*x and not exp(2 log x)."""
+    if isinstance(exponent, float) and exponent.is_integer():
+        exponent = int(exponent)
+    return base**exponent
+
+
+_ARITHMETIC = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "**": power,
+}
+
+
+class _Walk:
+    """One evaluation: `scope` grows by parameters and definitions as they are needed, over the values that are given.
+
+    The values may be made when they are asked for, so only what stands in the expression is asked for.
+    """
+
+    def __init__(self, values: Mapping[str, Any], functions: Any, number: Any = float):
+        self.values, self.functions, self.number = values, functions, number
+        self.scope: dict[str, Any] = {}
+
+    def value(self, expression: Expression) -> Any:
+        self.key = expression._key
+        self.scope = {name: self.number(value) for name, value in expression.parameters.items()}
+        for key, (definition, end) in expression.steps.items():
+            self.scope[key] = self.start(definition, end)
+        return self.start(expression, None)
+
+    def start(self, expression: Expression, end: str | None) -> Any:
+        self.expression, self.end = expression, end
+        return self.visit(expression.root)
+
+    def visit(self, node: Node) -> Any:
+        match node:
+            case Number():
+                return self.number(node.value)
+            case Name():
+                return self.lookup(node)
+            case Operation(symbol=symbol, operands=operands):
+                return self.apply(symbol, node, [self.visit(operand) for operand in operands])
+            case External():
+                return self.call(node)
+        result = self.visit(node.first)
+        for step in node.steps:
+            result = self.apply(step.symbol, step, [result, self.visit(step.operand)])
+        return result
+
+    def lookup(self, node: Name) -> Any:
+        key = self.key(node.name, node.end or self.end)
+        return self.scope[key] if key in self.scope else self.values[key]
+
+    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+        if symbol in FUNCTIONS:
+            return getattr(self.functions, symbol)(*operands)
+        if symbol in EXACT:
+            return EXACT[symbol](operands)
+        if symbol in STAND_INS:
+            return STAND_INS[symbol](self.functions, operands)
+        return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
+
+    def call(self, node: External) -> Any:
+        return node.function(_Arguments(node, self.lookup), self.functions)
+
+
+class _Arguments(dict):
+    """The values of the operands of an external function by name, made when they are asked for."""
+
+    def __init__(self, node: External, lookup: Callable[[Name], Any]):
+        super().__init__()
+        self.names, self.lookup = {name.name: name for name in node.operands}, lookup
+
+    def __missing__(self, name: str) -> Any:
+        self[name] = self.lookup(self.names[name])
+        return self[name]
+
+
+class _Found(Exception):  # noqa: N818 - it ends a walk and is no error
+    def __init__(self, fault: Fault):
+        self.fault = fault
+
+
+class _Audit(_Walk):
+    """An evaluation with NumPy that stops at the first value that is not finite; None stands for unknown."""
+
+    def __init__(self, values: Mapping[str, Any], functions: Any):
+        arrays = {name: np.asarray(value, float) for name, value in values.items()}
+        super().__init__(arrays, functions, np.float64)
+        self.constants_only = not values
+
+    def lookup(self, node: Name) -> Any:
+        value = self.known(self.key(node.name, node.end or self.end))
+        if value is not None:
+            self.refuse(node, ~np.isfinite(value), "is not finite")
+        return value
+
+    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+        second = operands[-1]
+        if second is not None and symbol == "/":
+            self.refuse(node, second == 0, "divides by zero")
+        if second is not None and symbol == "**" and self.constants_only:
+            self.refuse(node, np.abs(second) > MAX_EXPONENT, f"has an exponent larger than {MAX_EXPONENT}")
+        if any(operand is None for operand in operands):
+            return None
+        result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
+        return self.finite(node, result)
+
+    def call(self, node: External) -> Any:
+        if any(self.lookup(operand) is None for operand in node.operands):
+            return None
+        return self.finite(node, super().call(node))
+
+    def known(self, key: str) -> Any:
+        return self.scope.get(key, self.values.get(key))
+
+    def finite(self, node: Node, result: Any) -> Any:
+        self.refuse(node, np.isnan(result), "is not a real number")
+        zero_of_log = isinstance(node, Operation) and node.symbol == "log"
+        self.refuse(node, np.isneginf(result), "is the logarithm of zero" if zero_of_log else "is too large a number")
+        self.refuse(node, np.isinf(result), "is too large a number")
+        return result
+
+    def refuse(self, node: Node, bad: Any, why: str) -> None:
+        """End the walk if any element is bad: report the first one."""
+        if not np.any(bad):
+            return
+        index, values = int(np.argmax(bad)), {}
+        for name in leaves(self.expression.root):
+            key = self.key(name.name, name.end or self.end)
+            if node.start <= name.start and name.stop <= node.stop and self.known(key) is not None:
+                array = np.ravel(self.known(key))
+                values[key] = float(array[index if len(array) > 1 else 0])
+        raise _Found(Fault(self.expression.text[node.start : node.stop], index, values, why))
+
+
+@lru_cache(maxsize=4096)
+def parse(text: str) -> Expression:
+    """The expression that the text means.
+
+    Raises ExpressionError, which says what is wrong, where in the text, and how to mend it; also for a constant part
+    that has no finite value, such as 1/0 or 9**9**9.
+    """
+    text = tidy(text)
+    expression = Expression(text, read(text))
+    if fault := expression.fault({}):
+        raise ExpressionError(f'"{shorten(fault.text)}" {fault.why}', "give it a finite value or leave it out")
+    return expression

@@ -1,0 +1,187 @@
+"""The tree of an expression: Python's parser reads the text, a whitelist of its syntax nodes becomes these nodes."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from .slips import CALLABLE, ENDS, FUNCTIONS, MAX_ARGUMENTS, MAX_DEPTH, RATE, ExpressionError, check, excerpt
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A piece of the expression; start and stop are its place in the text."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, slots=True)
+class Number(Node):
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Name(Node):
+    """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None.
+
+    The rate of an implicit state is a value with a name of its own, such as "v[rate]".
+    """
+
+    name: str
+    end: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Operation(Node):
+    """A function of one operand (a name of FUNCTIONS, or "-"), the power of two ("**"), or abs, min, max of any.
+
+    nonsmooth.py replaces abs, min and max by operations of its own, "abs tanh" and the like; see stand_ins.py.
+    """
+
+    symbol: str
+    operands: tuple[Node, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Step(Node):
+    """One operator of a chain and its right operand; the place is that of the chain up to here."""
+
+    symbol: str
+    operand: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Chain(Node):
+    """first + second - third ..., from the left: kept flat so that a sum of 1000 terms is not 1000 levels deep."""
+
+    first: Node
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class External(Node):
+    """A function that is no expression: `function(values of the operands by name, functions)`."""
+
+    function: Callable[[dict, Any], Any]
+    operands: tuple[Name, ...]
+
+
+def read(text: str) -> Node:
+    """The tree of a tidy text. Raises ExpressionError: what is wrong, where in the text, and how to mend it."""
+    check(text)
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        what = f"{excerpt(text, 0, len(text))} cannot be read as an expression"
+        raise ExpressionError(what, "write it with names, numbers, + - * / ** and parentheses") from error
+    return _node(tree, text, 0)
+
+
+def rate_of(state: str) -> str:
+    """The name of a state's rate: "v[rate]"."""
+    return f"{state}[{RATE}]"
+
+
+def nodes(root: Node) -> Iterator[Node]:
+    """Every node of the tree, from the left, each before those below it."""
+    yield root
+    for node in below(root):
+        yield from nodes(node)
+
+
+def below(node: Node) -> tuple[Node, ...]:
+    """The nodes that a node is made of: operands from the left."""
+    match node:
+        case Operation(operands=operands) | External(operands=operands):
+            return operands
+        case Chain(first=first, steps=steps):
+            return (first, *(step.operand for step in steps))
+    return ()
+
+
+def rebuilt(node: Node, new: Sequence[Node]) -> Node:
+    """The same node made of others."""
+    match node:
+        case Operation() | External():
+            return replace(node, operands=tuple(new))
+        case Chain(steps=steps):
+            kept = (replace(step, operand=operand) for step, operand in zip(steps, new[1:], strict=True))
+            return replace(node, first=new[0], steps=tuple(kept))
+    return node
+
+
+def leaves(root: Node) -> Iterator[Name]:
+    """Every name in the tree, from the left."""
+    return (node for node in nodes(root) if isinstance(node, Name))
+
+
+def count(root: Node) -> int:
+    """Number of nodes: a measure of the size of an expression."""
+    return sum(1 for _ in nodes(root))
+
+
+_SYMBOLS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+
+def _node(tree: ast.AST, text: str, depth: int) -> Node:
+    """A syntax node of Python as one of ours; whatever is not named in these functions is refused."""
+    place = tree.col_offset, tree.end_col_offset
+    if depth > MAX_DEPTH:
+        raise ExpressionError(f"{excerpt(text, *place)} is nested too deeply", "name its parts under expressions:")
+    node = _leaf(tree, place) or _operation(tree, place, text, depth + 1)
+    if node is None:
+        what = f"{excerpt(text, *place)} has no place in an expression"
+        raise ExpressionError(what, "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS))
+    return node
+
+
+def _leaf(tree: ast.AST, place: tuple[int, int]) -> Node | None:
+    match tree:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            return Number(*place, float(value))
+        case ast.Name(id="pi"):
+            return Number(*place, math.pi)
+        case ast.Name(id=name):
+            return Name(*place, name, None)
+        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=end)) if end in ENDS:
+            return Name(*place, name, end)
+        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
+            return Name(*place, rate_of(name), None)
+    return None
+
+
+def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> Node | None:
+    match tree:
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in CALLABLE:
+            _check_arguments(name, len(arguments), text, place)
+            return Operation(*place, name, tuple(_node(argument, text, depth) for argument in arguments))
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return Operation(*place, "-", (_node(operand, text, depth),))
+        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+            return _node(operand, text, depth)
+        case ast.BinOp(op=ast.Pow(), left=left, right=right):
+            return Operation(*place, "**", (_node(left, text, depth), _node(right, text, depth)))
+        case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
+            return _chain(tree, text, depth)
+    return None
+
+
+def _check_arguments(name: str, given: int, text: str, place: tuple[int, int]) -> None:
+    least, most = (2, MAX_ARGUMENTS) if name in ("min", "max") else (1, 1)
+    if not least <= given <= most:
+        wanted = "one argument" if most == 1 else f"2 to {MAX_ARGUMENTS} arguments"
+        what = f"{excerpt(text, *place)}: {name} takes {wanted}, not {given}"
+        raise ExpressionError(what, f"write {name} with {wanted}")
+
+
+def _chain(tree: ast.BinOp, text: str, depth: int) -> Chain:
+    place, steps = (tree.col_offset, tree.end_col_offset), []
+    while isinstance(tree, ast.BinOp) and type(tree.op) in _SYMBOLS:
+        operand = _node(tree.right, text, depth)
+        steps.append(Step(tree.col_offset, tree.end_col_offset, _SYMBOLS[type(tree.op)], operand))
+        tree = tree.left
+    return Chain(*place, _node(tree, text, depth), tuple(reversed(steps)))

@@ -1,0 +1,104 @@
+"""Every expression of a problem file, with its path and what it may refer to."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from ..expressions.expression import Expression
+from ..schema.declarations import Residual
+from ..schema.spec import Constraint, Spec
+from ..schema.values import Entry
+from ..yaml.document import Path
+
+MAX_NAME = 40
+
+# Where an expression stands decides what it may refer to.
+CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
+
+# Sections whose expressions are constants, but for the rates and accelerations among them.
+_SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
+_DYNAMICS = ("rate", "accel")
+
+
+class Use(NamedTuple):
+    """An expression of the file: its path, and what it may refer to."""
+
+    path: Path
+    expression: Expression
+    context: str
+
+
+def uses(spec: Spec) -> Iterator[Use]:
+    """Every expression of the file."""
+    for name, parameter in spec.parameters.items():
+        yield Use(("parameters", name), parameter.value, CONSTANT)
+    for section in _SECTIONS:
+        yield from _constants(getattr(spec, section), (section,))
+    for name, expression in spec.expressions.items():
+        yield Use(("expressions", name), expression, TRAJECTORY)
+    yield from _dynamics(spec)
+    for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
+        if expression := getattr(spec.objective.terms, term):
+            yield Use(("objective", spec.objective.sense, term), expression, context)
+    for path, constraint in constraints(spec):
+        yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
+        for key in ("lower", "upper", "equals"):
+            if bound := getattr(constraint, key):
+                yield Use((*path, key), bound, CONSTANT)
+
+
+def constraints(spec: Spec) -> Iterator[tuple[Path, Constraint]]:
+    """Every constraint with its path, such as ("constraints", "path", 0)."""
+    for kind in ("path", "boundary", "integral"):
+        for i, constraint in enumerate(getattr(spec.constraints, kind)):
+            yield ("constraints", kind, i), constraint
+
+
+def _dynamics(spec: Spec) -> Iterator[Use]:
+    for name, state in spec.states.items():
+        for key in _DYNAMICS:
+            if expression := getattr(state, key):
+                yield Use(("states", name, key), expression, TRAJECTORY)
+    for i, residual in enumerate(spec.residuals):
+        yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
+
+
+def _constants(value, path: Path) -> Iterator[Use]:
+    """The expressions below a path, but for the dynamics."""
+    if isinstance(value, Expression):
+        yield Use(path, value, CONSTANT)
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _constants(item, (*path, i))
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from _constants(item, (*path, key))
+    elif isinstance(value, Entry):
+        for key, item in value:
+            if key not in _DYNAMICS:
+                yield from _constants(item, (*path, key))
+
+
+def constraint_names(spec: Spec) -> list[str]:
+    """A name for each constraint, all different: the one given, or one made from its expression."""
+    return _names([constraint for _, constraint in constraints(spec)], "constraint")
+
+
+def residual_names(spec: Spec) -> list[str]:
+    """A name for each residual, all different."""
+    return _names(spec.residuals, "residual")
+
+
+def _names(entries: Sequence[Constraint | Residual], default: str) -> list[str]:
+    names: list[str] = []
+    taken = {entry.name for entry in entries}
+    for entry in entries:
+        name = entry.name
+        if not name:
+            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_NAME].strip("_") or default
+            candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
+            name = next(c for c in candidates if c not in taken and c not in names)
+        names.append(name)
+    return names

@@ -1,0 +1,273 @@
+"""The names of a problem: what each one is, the numbers of the parameters, the definitions of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from ..expressions.expression import Expression, Fault, untangle
+from ..expressions.slips import nearest, shorten
+from ..expressions.tree import External, Name, Node, count, leaves
+from ..models import find
+from ..models.model import Equations
+from ..problem import Function, Range
+from ..schema.spec import Spec
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+from . import variables as dynamics
+from .occurrences import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
+
+# Looking for a similar name among thousands takes time.
+MAX_SUGGESTIONS = 20
+MAX_KNOWN = 500
+
+MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
+
+# Stands for a value that is mistaken; see repair.py.
+UNKNOWN = Expression("?", Name(0, 1, "?", None))
+
+# Kinds of names that have a value at every time.
+STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
+VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
+
+
+class Symbols:
+    """Names and values of a spec.
+
+    states, controls, algebraic: the variables, see dynamics.py. kinds: name -> "parameter", "expression", "static
+    parameter", or one of VARYING. numbers: the values of the parameters. equations: those of the model, None without
+    one. definitions: the expressions that others may refer to, each after those that it refers to; `varying` are those
+    that vary in time, `fixed` holds the numbers and the values of the expressions of parameters alone. findings:
+    mistakes met on the way; without them, all of these are complete.
+    """
+
+    def __init__(self, spec: Spec):
+        self.states, self.controls = dynamics.states(spec), dynamics.controls(spec)
+        self.algebraic = dynamics.algebraic(spec)
+        groups = {
+            "time": ("t",),
+            "parameter": spec.parameters,
+            "expression": spec.expressions,
+            STATE: [state.name for state in self.states],
+            CONTROL: [control.name for control in self.controls],
+            RATE: [variable.name for variable in self.algebraic],
+            ALGEBRAIC: [variable.name for variable in self.algebraic if "[" not in variable.name],
+            "static parameter": spec.optimize,
+            "unknown": UNKNOWN.names,
+        }
+        self.kinds = {name: kind for kind, names in groups.items() for name in names}
+        self.static = frozenset(spec.optimize)
+        self.findings: list[Finding] = []
+        self.numbers: dict[str, float] = {}
+        self.fixed: dict[str, float] = {}
+        self.definitions: dict[str, Expression] = {}
+        self.varying: set[str] = set()
+        self._wrong: set[Path] = set()
+        self._unknown_names = 0
+        self._outputs_unknown = False
+        self.equations: Equations | None = None
+        self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
+        self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
+        self._build_model(spec)
+        self._outputs_unknown = bool(spec.model) and self.equations is None
+        self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
+        self._collect_definitions(spec.expressions)
+
+    def sound(self, path: Path, expression: Expression) -> bool:
+        """Whether the expression refers only to what is known, so that it can be evaluated."""
+        return path not in self._wrong and all(
+            self.kinds[n.name] in (*VARYING, "static parameter") or n.name in self.numbers or n.name in self.definitions
+            for n in leaves(expression.root)
+        )
+
+    def function(
+        self,
+        expression: Expression,
+        definitions: Mapping[str, Expression] | None = None,
+        added: frozenset[str] = frozenset(),
+    ) -> Expression:
+        """The expression with its parameters and definitions bound: a `problem.Function`.
+
+        definitions: those that take the place of the file's. added: static parameters that the file does not name.
+        """
+        return expression.bind(
+            self.numbers, self.definitions if definitions is None else definitions, self.static | added
+        )
+
+    def number(self, expression: Expression | None, default: float) -> float:
+        """The value of an expression of parameters; `default` if there is none."""
+        return default if expression is None else self.function(expression).constant()
+
+    def value(self, root: Node) -> float | None:
+        """The value of a tree of parameters alone, None for another."""
+        if any(name.name not in self.fixed for name in leaves(root)):
+            return None
+        return self._constant(Expression("", root))
+
+    def varies(self, name: str) -> bool:
+        """Whether a name has a value at every time."""
+        return name in self.varying or self.kinds.get(name) in VARYING
+
+    def constant(self, root: Node) -> bool:
+        """Whether a tree is made of parameters alone; what is mistaken in it counts as constant."""
+        return all(
+            self.kinds.get(name.name, "unknown") in ("parameter", "unknown")
+            or name.name in self.fixed
+            or (self.kinds[name.name] == "expression" and name.name not in self.definitions)
+            for name in leaves(root)
+        )
+
+    def range(self, entry) -> Range:
+        """The range of an entry with lower and upper, and perhaps value or equals."""
+        if entry is None:
+            return Range()
+        value = getattr(entry, "value", None) or getattr(entry, "equals", None)
+        lower, upper = (value, value) if value else (entry.lower, entry.upper)
+        return Range(self.number(lower, -np.inf), self.number(upper, np.inf))
+
+    def fault(self, expression: Expression) -> Fault | None:
+        """What no variable can mend: a part of the expression that is constant and has no finite value."""
+        return expression.bind(self._fixed_in(expression), {}).fault({})
+
+    def _fixed_in(self, expression: Expression) -> dict[str, float]:
+        return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
+
+    def _check_all_names(self, found: Iterable[Use]) -> None:
+        for use in found:
+            self._check_names(use)
+
+    def _check_names(self, use: Use) -> None:
+        seen = set()
+        for name in leaves(use.expression.root):
+            if name.name not in self.kinds and self._outputs_unknown:
+                self._wrong.add(use.path)
+                continue
+            trouble = self._trouble(name, use.context)
+            if trouble and (name.name, name.end) not in seen:
+                self.findings.append(Finding(use.path, *trouble))
+                self._wrong.add(use.path)
+            seen.add((name.name, name.end))
+
+    def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
+        """What is wrong with a name in this context, and the remedy."""
+        kind, found = self.kinds.get(name.name), None
+        if kind is None:
+            found = self._unknown(name.name, context)
+        elif context == CONSTANT and kind not in ("parameter", "unknown"):
+            found = (
+                f"{name.name} is {_with_article(kind)}, but this value must be known before the solution is",
+                "use numbers and parameters here, and put conditions on other names under constraints:",
+            )
+        elif context == TRAJECTORY and name.end:
+            found = (
+                f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
+                f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
+            )
+        elif context == BOUNDARY and name.end and kind in ("parameter", "static parameter"):
+            found = f"{name.name} is a {kind} and has only one value", f"write {name.name}"
+        elif context == BOUNDARY and kind == RATE:
+            found = (
+                f"{name.name} has a value at every time, but this expression is about the two ends",
+                "name it under expressions:, and write [final] or [initial] after that name",
+            )
+        elif context == BOUNDARY and not name.end and kind in VARYING:
+            found = (
+                f"{name.name} has a value at every time, but this expression is about the two ends",
+                f"write {name.name}[final] or {name.name}[initial]",
+            )
+        return found
+
+    def _unknown(self, name: str, context: str) -> tuple[str, str]:
+        what = f'unknown name "{name}"'
+        if name.endswith("]"):
+            return self._no_rate(name.partition("[")[0])
+        if name == "e":
+            return what, "write exp(...) for a power of e"
+        if self._unknown_names >= MAX_SUGGESTIONS:
+            return what, "declare it"
+        self._unknown_names += 1
+        known = [n for n, kind in self.kinds.items() if kind == "parameter" or (context != CONSTANT and n != "?")]
+        known = known[:MAX_KNOWN]
+        if close := nearest(name, [*known, "pi"]):
+            return what, f"did you mean {close}?"
+        return what, f"declare it, for example under parameters: as {name}: 1.0"
+
+    def _no_rate(self, name: str) -> tuple[str, str]:
+        """What is wrong with name[rate], which is no implicit rate."""
+        if self.kinds.get(name) == STATE:
+            remedy = f"write its rate instead, or leave out rate: of {name} to make it implicit"
+            return f"the rate of {name} is given, so {name}[rate] is not an unknown", remedy
+        return f'unknown name "{name}[rate]"', "only a state without rate: and accel: is known by its rate"
+
+    def _build_model(self, spec: Spec) -> None:
+        """The equations of the model, if all its parameters are known, and its outputs as definitions."""
+        model = find(spec.model) if spec.model else None
+        if model is None or not model.parameters.keys() <= self.numbers.keys():
+            return
+        self.equations = model.build({name: self.numbers[name] for name in model.parameters})
+        names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
+        for name, function in self.equations.outputs.items():
+            self.kinds[name] = OUTPUT
+            self.definitions[name] = _external(name, function, names)
+            self.varying.add(name)
+
+    def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
+        """The names of a group, each after those that its expression refers to; those in a circle are left out."""
+        graph = {name: {n.name for n in leaves(e.root)} & expressions.keys() for name, e in expressions.items()}
+        order, circles = untangle(graph)
+        for circle in circles:
+            what = f"{' -> '.join(circle[:10])} is a circle: each is defined by the next"
+            self.findings.append(Finding((group, circle[0]), what, f"give {circle[0]} without the others"))
+            self._wrong.update((group, name) for name in circle)
+        return order
+
+    def _evaluate_parameters(self, values: dict[str, Expression]) -> None:
+        for name in self._ordered("parameters", values):
+            if not self.sound(("parameters", name), values[name]):
+                continue
+            if fault := self.fault(values[name]):
+                self.findings.append(no_value(("parameters", name), fault))
+            else:
+                self.numbers[name] = self.fixed[name] = self._constant(values[name])
+
+    def _constant(self, expression: Expression) -> float:
+        return expression.bind(self._fixed_in(expression), {}).constant()
+
+    def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
+        sizes: dict[str, int] = {}
+        for name in self._ordered("expressions", expressions):
+            expression = expressions[name]
+            if not self.sound(("expressions", name), expression):
+                continue
+            inner = {n.name for n in leaves(expression.root)}
+            sizes[name] = count(expression.root) + sum(sizes.get(n.name, 0) for n in leaves(expression.root))
+            if sizes[name] > MAX_SIZE:
+                what = f"written out, this expression has more than {MAX_SIZE} terms"
+                self.findings.append(Finding(("expressions", name), what, "refer to fewer expressions in it"))
+                return
+            if fault := self.fault(expression):
+                self.findings.append(no_value(("expressions", name), fault))
+                continue
+            self.definitions[name] = expression
+            if any(n in self.varying or self.kinds[n] in VARYING for n in inner):
+                self.varying.add(name)
+            elif inner <= self.fixed.keys():
+                self.fixed[name] = self._constant(expression)
+
+
+def _with_article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeo' else 'a'} {kind}"
+
+
+def _external(name: str, function: Function, names: list[str]) -> Expression:
+    """A function of a model as an expression."""
+    place = 0, len(name)
+    return Expression(name, External(*place, function, tuple(Name(*place, n, None) for n in names)))
+
+
+def no_value(path: Path, fault: Fault) -> Finding:
+    """The finding for an expression of constants without a finite value."""
+    known = ", ".join(f"{name} = {value:g}" for name, value in fault.values.items())
+    what = f'"{shorten(fault.text)}" {fault.why}' + (f" with {known}" if known else "")
+    return Finding(path, what, "change the expression or the parameters in it")

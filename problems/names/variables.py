@@ -1,0 +1,108 @@
+"""The variables of a problem, in whichever form the file gives its dynamics: rates, accelerations, residuals, a model.
+
+Whatever the form, every state ends up with a rate. That of a velocity's position is the velocity; that of an implicit
+state v is an algebraic variable, v[rate], which the residuals determine; that of a model's state is the model's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..expressions.expression import Expression
+from ..expressions.tree import Name, rate_of
+from ..models import find
+from ..models.model import Quantity
+from ..schema.declarations import Algebraic, Control, State, Velocity
+from ..schema.spec import Spec
+from ..yaml.document import Path
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A control or an algebraic variable. path: where the file declares it. entry: its lower and upper."""
+
+    name: str
+    path: Path
+    unit: str
+    entry: Any
+
+
+@dataclass(frozen=True)
+class DeclaredState(Declared):
+    """A state; its entry holds initial and final too.
+
+    rate: an expression of the file or made here; None where a model gives the rate. rate_path: where it would stand.
+    velocity_of: the state whose rate this one is, else "".
+    """
+
+    rate: Expression | None = None
+    rate_path: Path = ()
+    velocity_of: str = ""
+
+    @property
+    def implicit(self) -> bool:
+        return self.rate == reference(rate_of(self.name))
+
+
+def reference(name: str) -> Expression:
+    """The expression that is one name."""
+    return Expression(name, Name(0, len(name), name, None))
+
+
+def states(spec: Spec) -> tuple[DeclaredState, ...]:
+    """The states in the order of the file (of the model), and after them the velocities of those given by accel."""
+    if spec.model:
+        return tuple(
+            DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry)
+            for name, entry, quantity in _of_model(spec.states, State(), find(spec.model).states)
+        )
+    positions, velocities = [], []
+    for name, state in spec.states.items():
+        path = ("states", name)
+        if not state.second_order:
+            rate = state.rate or reference(rate_of(name))
+            positions.append(DeclaredState(name, path, state.unit, state, rate, (*path, "rate")))
+            continue
+        velocity = state.velocity or Velocity()
+        speed = velocity.name or f"{name}_dot"
+        unit = velocity.unit or _per_time(state.unit, spec)
+        rate = state.accel or reference(rate_of(speed))
+        positions.append(DeclaredState(name, path, state.unit, state, reference(speed)))
+        accel = (*path, "accel")
+        velocities.append(DeclaredState(speed, (*path, "velocity"), unit, velocity, rate, accel, velocity_of=name))
+    return (*positions, *velocities)
+
+
+def controls(spec: Spec) -> tuple[Declared, ...]:
+    """The controls of the file, or of its model."""
+    return _inputs("controls", spec, Control())
+
+
+def algebraic(spec: Spec) -> tuple[Declared, ...]:
+    """The algebraic variables, and after them the rates of the implicit states."""
+    rates = (
+        Declared(rate_of(state.name), state.path, _per_time(state.unit, spec), Algebraic())
+        for state in states(spec)
+        if state.implicit
+    )
+    return (*_inputs("algebraic", spec, Algebraic()), *rates)
+
+
+def _inputs(group: str, spec: Spec, empty: Any) -> tuple[Declared, ...]:
+    given = getattr(spec, group)
+    if not spec.model:
+        return tuple(Declared(name, (group, name), entry.unit, entry) for name, entry in given.items())
+    return tuple(
+        Declared(name, (group, name), entry.unit or quantity.unit, entry)
+        for name, entry, quantity in _of_model(given, empty, getattr(find(spec.model), group))
+    )
+
+
+def _of_model(given: dict[str, Any], empty: Any, quantities: dict[str, Quantity]):
+    """(name, entry of the file, quantity of the model) for each quantity."""
+    return ((name, given.get(name, empty), quantity) for name, quantity in quantities.items())
+
+
+def _per_time(unit: str, spec: Spec) -> str:
+    return unit and f"{unit}/{spec.time.unit}"

@@ -1,0 +1,1 @@
+"""Expressions with abs, min and max in; smooth ones, or ones on slack variables, out."""

@@ -1,0 +1,1 @@
+"""Plain data in; a Spec with every field checked and every default filled in out."""

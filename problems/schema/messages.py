@@ -1,0 +1,135 @@
+"""What pydantic found wrong with a file, in plain words: one finding for each mistake."""
+
+from __future__ import annotations
+
+import types
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from ..expressions.slips import nearest
+from ..yaml.document import Path, brief, kind
+from ..yaml.locations import MAX_FINDINGS, Finding, Places
+from .spec import Spec
+
+# How the sections are written, by key; for other keys their description says it.
+EXAMPLES = {
+    "time": "{initial: 0, final: 2}",
+    "initial": "0, or {lower: 0, upper: 1}",
+    "final": "1, or {lower: 0.5, upper: 3}",
+    "parameters": "{m: 2.0}",
+    "expressions": "{power: u*v}",
+    "states": "{x: {rate: v, initial: 0, final: 1}}",
+    "velocity": "{name: v, initial: 0}",
+    "controls": "{u: {lower: -5, upper: 5}}",
+    "algebraic": "{F: {unit: N}}",
+    "residuals": "[F - k*x]",
+    "optimize": "{p: {lower: 0, upper: 1}}",
+    "objective": "{minimize: {integral: u**2}}",
+    "minimize": "{integral: u**2}",
+    "maximize": '{terminal: "x[final]"}',
+    "nonsmooth": "slack, or {tanh: 0.01}",
+    "tanh": "0.01, or [1, 0.1]",
+    "sqrt": "0.01, or [1, 0.1]",
+    "constraints": "{path: [{expression: u*v, upper: 3}]}",
+    "path": "[{expression: u*v, upper: 3}]",
+    "boundary": '[{expression: "x[final] - x[initial]", equals: 1}]',
+    "integral": "[{expression: u*v, upper: 10}]",
+    "guess": "linear, or {constants: {u: 1}}",
+    "constants": "{u: 1}",
+    "keyframes": "{x: [0, 0.5, 1]}",
+    "refine": "{tolerance: 1e-8}",
+    "mesh": "[{method: trapezoid, segments: 20}]",
+    "solver": "{max_iter: 500}",
+    "reference": "{objective: 6.0, tolerance: 1e-4}",
+}
+
+
+def findings(error: ValidationError, places: Places) -> list[Finding]:
+    """One finding for each error, at the longest part of its path that stands in the file."""
+    # one more than will be shown
+    errors = error.errors(include_url=False)[: MAX_FINDINGS + 1]
+    extra = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
+    # a key that is only misspelt is not missing as well
+    meant = {(*path[:-1], close) for path in extra if (close := nearest(path[-1], _keys(path[:-1])))}
+    return [_finding(e, places) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
+
+
+def _finding(error: dict[str, Any], places: Places) -> Finding:
+    path: Path = error["loc"]
+    what, remedy = _words(error, path)
+    if error["type"] != "missing":
+        while path and not places.known(path):
+            path = path[:-1]
+    return Finding(path, what, remedy)
+
+
+def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
+    """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
+    given, context = kind(error.get("input")), error.get("ctx", {})
+    key, written = brief(path[-1]) if path else "", form(path)
+    if error["type"] == "mistake":
+        return context["what"], context["remedy"]
+    if error["type"] == "missing" and path == ("trajopt",):
+        return "the version of the file format is missing", "write trajopt: 1 at the top"
+    if error["type"] == "extra_forbidden":
+        return f'unknown key "{key}"', _other_key(path)
+    words = {
+        "missing": (f"{key} is missing", f"add {written}"),
+        "model_type": (f"this must be a mapping, not {given}", f"write {written}"),
+        "dict_type": (f"this must be a mapping, not {given}", f"write {written}"),
+        "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {written}'),
+        "bool_type": (f"this must be true or false, not {given}", "write true or false"),
+        "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),
+        "string_type": (f"this must be a text, not {given}", "put the text in quotes"),
+        "literal_error": (f"{given} is not one of the choices", f"write {context.get('expected', '')}"),
+        "too_short": (f"there must be at least {context.get('min_length')} here", f"write {written}"),
+        "too_long": (f"there are more than {context.get('max_length')} here", "remove some"),
+        "string_too_long": (f"this text is longer than {context.get('max_length')} characters", "shorten it"),
+    }
+    return words.get(error["type"], (f"this cannot be {given}", f"write {written}"))
+
+
+def _other_key(path: Path) -> str:
+    keys = _keys(path[:-1])
+    close = nearest(path[-1], keys)
+    return f"did you mean {close}?" if close else "the keys here are " + ", ".join(keys)
+
+
+def _keys(path: Path) -> list[str]:
+    """The keys that the mapping at this path may have."""
+    owner = _field(path)
+    return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
+
+
+def form(path: Path) -> str:
+    """How the value at this path is written, or the mapping or the list that it is an entry of: "for example ..."."""
+    for n in range(len(path), 0, -1):
+        owner = _field(path[: n - 1])
+        if isinstance(owner, type) and issubclass(owner, BaseModel) and path[n - 1] in owner.model_fields:
+            key = path[n - 1]
+            plain = _field(path[:n]) is Any  # as the integral of minimize: and the objective of reference:
+            if key in EXAMPLES and not plain:
+                return f"for example {key}: {EXAMPLES[key]}"
+            return f"{key}: {owner.model_fields[key].description}"
+    return "what trajopt schema says"
+
+
+def _field(path: Path) -> Any:
+    """The annotation of the value at this path: a model where the value is a mapping with fixed keys."""
+    annotation: Any = Spec
+    for step in path:
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            known = annotation.model_fields.get(step)
+            annotation = _bare(known.annotation) if known else None
+        else:
+            arguments = get_args(annotation)
+            annotation = _bare(arguments[-1]) if arguments else None
+    return annotation
+
+
+def _bare(annotation: Any) -> Any:
+    """A type without the None beside it and without the validators that pydantic finds in its annotation."""
+    if get_origin(annotation) in (types.UnionType, Union):
+        annotation = next(a for a in get_args(annotation) if a is not type(None))
+    return annotation.__origin__ if get_origin(annotation) is Annotated else annotation

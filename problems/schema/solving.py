@@ -1,0 +1,123 @@
+"""How a problem is solved, as a file says it: meshes, refinement, the solver, and what the answer should be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
+
+from ..expressions.slips import nearest
+from ..yaml.document import brief, kind
+from .values import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
+
+MAX_MESHES = 100
+MAX_SUBSTEPS = 1000
+DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
+"""The first mesh where the file gives none; refinement is then on."""
+
+
+def _count(largest: int, of: str) -> Any:
+    """The type of a whole number from 1 to the largest."""
+
+    def check(value: Any) -> int:
+        whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+        if not whole or not 1 <= value <= largest:
+            what = f"this is no number of {of}: {kind(value)}"
+            raise mistake(what, f"write a whole number from 1 to {largest}")
+        return int(value)
+
+    schema = {"type": "integer", "minimum": 1, "maximum": largest}
+    return Annotated[Any, PlainValidator(check), WithJsonSchema(schema)]
+
+
+Substeps, Meshes = _count(MAX_SUBSTEPS, "substeps"), _count(MAX_MESHES, "meshes")
+
+
+class Mesh(Entry):
+    """One entry of the mesh schedule."""
+
+    method: Text = Field(description="collocation method, or shooting; `trajopt methods` lists them")
+    segments: Segments = Field(description=f"number of equal segments, or relative widths; at most {MAX_SEGMENTS}")
+    tolerance: Number = Field(1e-8, description="convergence tolerance of the solver (its option tol); default 1e-8")
+    degree: Degree | None = Field(
+        None, description="of gauss, radau, radau-left, lobatto, chebyshev: one for all segments, or a list; default 4"
+    )
+    form: Literal["integral", "differential"] | None = Field(
+        None, description="of the defects of those methods; default differential from degree 4 on, integral below"
+    )
+    substeps: Substeps | None = Field(
+        None, description="number of Runge-Kutta steps on each segment, for shooting methods; default 1"
+    )
+    control: Literal["constant", "linear", "quadratic"] | None = Field(
+        None, description="constant, linear or quadratic on each substep, for shooting methods; default the last it has"
+    )
+
+    @model_validator(mode="after")
+    def _as_many_degrees_as_segments(self):
+        if isinstance(self.degree, tuple):
+            count = self.segments if isinstance(self.segments, int) else len(self.segments)
+            if len(self.degree) != count:
+                raise mistake(f"there are {len(self.degree)} degrees for {count} segments", "give one for each segment")
+        return self
+
+    @field_validator("method")
+    @classmethod
+    def _known_method(cls, value: str, info: ValidationInfo) -> str:
+        methods = (info.context or {}).get("methods", ())
+        if methods and value not in methods:
+            close = nearest(value, methods)
+            remedy = f"did you mean {close}?" if close else "write one of " + ", ".join(methods)
+            raise mistake(f'there is no method "{brief(value)}"', remedy)
+        return value
+
+    @field_validator("tolerance")
+    @classmethod
+    def _sensible(cls, value: float) -> float:
+        if not 1e-16 <= value <= 1:
+            raise mistake(f"the tolerance {value:g} is out of range", "write a number such as 1.0e-8")
+        return value
+
+
+class Refine(Entry):
+    """Solve on finer and finer meshes after the schedule, until the error estimate meets a tolerance everywhere."""
+
+    tolerance: Number = Field(
+        1e-6, description="of eta on every segment, relative to 1 + the size of the state; default 1e-6"
+    )
+    max_meshes: Meshes = Field(10, description="number of meshes after the schedule, at most; default 10")
+
+    @field_validator("tolerance")
+    @classmethod
+    def _sensible(cls, value: float) -> float:
+        if not 1e-14 <= value <= 1:
+            raise mistake(f"the tolerance {value:g} is out of range", "write a number such as 1.0e-6")
+        return value
+
+
+class Solver(Entry):
+    """Which solver runs, and how. Every key but those named here is an option of that solver."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, Option]
+
+    engine: Literal["ipopt", "newton"] = Field(
+        "ipopt", description="ipopt (default), or newton: Newton's method on the KKT system, equality constraints only"
+    )
+    accept: Literal["optimal", "acceptable"] = Field(
+        "optimal", description="count IPOPT's acceptable point as solved (acceptable) or not (optimal, the default)"
+    )
+    coarse_start: bool = Field(
+        True, description="solve a large first mesh from the solution on a coarse one (default), or from the guess"
+    )
+
+    @property
+    def options(self) -> dict[str, int | float | str]:
+        return dict(self.model_extra)
+
+
+class Reference(Entry):
+    """A value of the objective known from elsewhere."""
+
+    objective: Number = Field(description="the known value")
+    tolerance: Number = Field(1e-6, description="absolute difference allowed; default 1e-6")
+    source: Text = Field("", description="where the value comes from")

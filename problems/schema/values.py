@@ -1,0 +1,177 @@
+"""The kinds of value that a problem file holds, and the two kinds of mapping: what `spec.py` is made of."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, ClassVar
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from ..expressions.expression import Expression, parse
+from ..expressions.slips import ExpressionError
+from ..yaml.document import kind, scalar
+
+MAX_DEGREE = 60
+MAX_SEGMENTS = 200_000
+MAX_TEXT = 10_000
+
+
+def mistake(what: str, remedy: str) -> PydanticCustomError:
+    """An error for a validator to raise; load.py gives it its place in the file."""
+    return PydanticCustomError("mistake", "{what}; {remedy}", {"what": what, "remedy": remedy})
+
+
+def _number(value: Any) -> float:
+    value = scalar(value) if isinstance(value, str) else value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise mistake(f"this must be a number, not {kind(value)}", "write a number such as 0.5 or 1.0e-8")
+    if not math.isfinite(value):
+        raise mistake(f"this must be a finite number, not {value}", "write a finite number, or leave the key out")
+    return float(value)
+
+
+def _formula(value: Any) -> Expression:
+    if isinstance(value, Expression):
+        return value
+    if isinstance(value, float) and math.isinf(value):
+        raise mistake(
+            "this is infinite, or a number above 1e308", "write a finite number; for no bound leave the key out"
+        )
+    if isinstance(value, float) and math.isnan(value):
+        raise mistake("NaN is not a number", "write a finite number or an expression")
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise mistake(f"this must be a number or an expression, not {kind(value)}", "write for example 0.5 or 2*pi*f")
+    try:
+        return parse(value if isinstance(value, str) else repr(value))
+    except ExpressionError as error:
+        raise mistake(error.what, error.remedy) from error
+
+
+def _plain(expression: Expression) -> int | float | str:
+    return scalar(expression.text)
+
+
+def _text(value: Any) -> Any:
+    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+def _segments(value: Any) -> int | tuple[float, ...]:
+    if isinstance(value, list):
+        if not 1 <= len(value) <= MAX_SEGMENTS:
+            raise mistake(f"the list has {len(value)} widths", f"give 1 to {MAX_SEGMENTS} of them")
+        widths = tuple(map(_number, value))
+        if min(widths) <= 0:
+            raise mistake("a segment width is zero or negative", "write positive relative widths such as [1, 2, 1]")
+        return widths
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0:
+        raise mistake(f"this must be a whole number or a list of widths, not {kind(value)}", "write for example 25")
+    if not 1 <= value <= MAX_SEGMENTS:
+        raise mistake(f"{value:g} segments are asked for", f"ask for 1 to {MAX_SEGMENTS}")
+    return int(value)
+
+
+def _option(value: Any) -> int | float | str:
+    value = scalar(value) if isinstance(value, str) else value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
+        raise mistake(f"a solver's option cannot be {kind(value)}", "write a finite number, a word, or yes or no")
+    return value
+
+
+_NUMBER_SCHEMA = {"type": ["number", "string"]}
+Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+Formula = Annotated[
+    Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
+]
+Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
+Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
+Widths = Annotated[
+    list[Formula],
+    Field(min_length=1),
+    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
+]
+
+
+def _degree(value: Any) -> int | tuple[int, ...]:
+    if isinstance(value, list):
+        return tuple(_degree(item) for item in value)
+    if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_DEGREE:
+        raise mistake(f"the degree is {kind(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them")
+    return int(value)
+
+
+def _scaling(value: Any) -> str | dict[str, float]:
+    if isinstance(value, dict) and value:
+        sizes = {str(name): _number(size) for name, size in value.items()}
+        if min(sizes.values()) <= 0:
+            raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
+        return sizes
+    if value not in ("none", "auto"):
+        raise mistake(f"this must be none, auto, or sizes by name, not {kind(value)}", "write for example auto")
+    return value
+
+
+_DEGREE_SCHEMA = {"type": "integer", "minimum": 1, "maximum": MAX_DEGREE}
+Degree = Annotated[
+    Any,
+    PlainValidator(_degree),
+    WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
+]
+Scaling = Annotated[
+    Any,
+    PlainValidator(_scaling),
+    WithJsonSchema({"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}),
+]
+Segments = Annotated[
+    Any,
+    PlainValidator(_segments),
+    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": _NUMBER_SCHEMA}]}),
+]
+
+
+class Entry(BaseModel):
+    """A mapping of the file. A key with an empty value counts as left out."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _leave_out_empty(cls, data: Any) -> Any:
+        data = cls._unfold({} if data is None else data)
+        return {k: v for k, v in data.items() if v is not None} if isinstance(data, dict) else data
+
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        """The long form of a short one."""
+        return data
+
+
+class Shorthand(Entry):
+    """A mapping for which a plain number or expression may stand: x means {value: x}, or the key that `short` names."""
+
+    short: ClassVar[str] = "value"
+
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        return data if isinstance(data, dict | cls) else {cls.short: data}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema, handler):
+        reference = handler(core_schema)
+        schema = handler.resolve_ref_schema(reference)
+        long = dict(schema)
+        schema.clear()
+        schema.update({"anyOf": [_NUMBER_SCHEMA, long]})
+        return reference

@@ -1,0 +1,1 @@
+"""YAML text and overrides in; plain data with the line of every value out."""

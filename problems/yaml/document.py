@@ -1,0 +1,247 @@
+"""YAML text -> plain data, with the line of every key and every list item.
+
+The text is read as a stream of events, so that its depth and size are checked before anything is built: a file with
+nested aliases or ten thousand brackets is refused in no time. Plain scalars follow YAML 1.2: 1e-8 is a number, yes
+and on are words, 010 is ten. Tags are refused, so a file can only ever become numbers, strings, lists and mappings.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import yaml
+
+from ..errors import Mistake, SpecError
+from ..expressions.slips import shorten, tidy
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 20
+MAX_NODES = 300_000
+MAX_ALIASES = 100
+
+Path = tuple[str | int, ...]
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_INTEGER = re.compile(r"[-+]?[0-9]{1,18}")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WORDS: dict[str, Any] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **dict.fromkeys((".inf", ".Inf", ".INF", "+.inf", "+.Inf", "+.INF"), float("inf")),
+    **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), float("-inf")),
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+}
+_NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffe\uffff]")
+
+# What PyYAML says -> how to mend it. The first phrase that occurs in its message decides.
+_REMEDIES = (
+    ("mapping values are not allowed", 'indent keys of one mapping alike, and put a value that holds ": " in quotes'),
+    ("',' or '}'", 'close the brace, and put an expression with [ ] or commas in quotes: "q1[final] - d"'),
+    ("',' or ']'", 'close the bracket, and put an expression with [ ] or commas in quotes: "q1[final] - d"'),
+    ("could not find expected ':'", "write each entry as key: value, and indent keys of one mapping alike"),
+    ("expected <block end>", "indent keys of one mapping alike"),
+    ("block sequence entries are not allowed", "start the list on a line of its own, one item a line"),
+    ("unexpected end of stream", "close the quotes"),
+    ("expected alphabetic or numeric", "put a text that starts with * or & in quotes"),
+    ("did not find expected key", "indent keys of one mapping alike, and close quotes and brackets"),
+    ("undefined alias", "put a text that starts with * in quotes"),
+    ("cannot start any token", "put a text that starts with this character in quotes"),
+    ("unknown escape character", "use single quotes around the text"),
+)
+
+
+@dataclass
+class Document:
+    """data: the file as dicts, lists, strings, numbers, bools and None. lines: path of a key or an item -> its line."""
+
+    data: dict[str, Any]
+    lines: dict[Path, int] = field(default_factory=dict)
+
+
+def decode(content: bytes, file: str) -> str:
+    """The text of a file's content. Raises SpecError if it is not UTF-8 text of a sensible size."""
+    if len(content) > MAX_BYTES:
+        raise SpecError(Mistake(file, f"the file is larger than {MAX_BYTES // 10**6} MB", "give a problem file"))
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise SpecError(Mistake(f"{file}:{line}", "this is not UTF-8 text", "save the file as UTF-8")) from error
+    if junk := _NOT_TEXT.search(text):
+        line = text.count("\n", 0, junk.start()) + 1
+        what = f"the file holds the control character {junk[0]!r}, so it is not a text file"
+        raise SpecError(Mistake(f"{file}:{line}", what, "give a YAML problem file"))
+    return text
+
+
+def read(text: str, file: str) -> Document:
+    """The one mapping that the text holds. Raises SpecError; `file` is the name used in its messages."""
+    data, lines = _compose(text, file)
+    if data is None:
+        raise SpecError(Mistake(file, "the file is empty", "start from an example: trajopt init NAME"))
+    if not isinstance(data, dict):
+        what = f"the file holds {kind(data)}, not a mapping"
+        raise SpecError(Mistake(f"{file}:1", what, "write keys such as name: and states: at its left margin"))
+    return Document(data, lines)
+
+
+def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
+    composer = _Composer(yaml.parse(text, Loader=_LOADER), file)
+    try:
+        data = composer.document()
+    except yaml.YAMLError as error:
+        raise SpecError([*composer.mistakes, _explain(error, text, file)]) from error
+    if composer.mistakes:
+        raise SpecError(composer.mistakes)
+    return data, composer.lines
+
+
+def value(text: str, where: str) -> Any:
+    """The value that a piece of YAML on the command line means. Raises SpecError at `where`."""
+    try:
+        return _compose(text, where)[0]
+    except SpecError as error:
+        # a line number means nothing on the command line
+        raise SpecError(replace(mistake, where=where) for mistake in error.mistakes) from error
+
+
+def scalar(text: str) -> Any:
+    """A plain scalar as a number, bool, None or string."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text):
+        return int(text)
+    return float(text) if _FLOAT.fullmatch(text) else text
+
+
+def kind(value: Any) -> str:
+    """What a value is, in words, for messages."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return f"the number {value:g}"
+    if isinstance(value, str):
+        return f'the text "{brief(value)}"'
+    return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
+
+
+def brief(word: str | int) -> str:
+    """A word of the user's on one short line, for messages."""
+    return shorten(tidy(str(word)), 40)
+
+
+def show(path: Path) -> str:
+    """A path as the user writes it: mesh.0.segments."""
+    return ".".join(map(brief, path))
+
+
+def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
+    problem = " ".join(str(getattr(error, "problem", None) or error).split())
+    mark, lines = getattr(error, "problem_mark", None), text.splitlines()
+    if mark is not None and mark.line >= len(lines):
+        # what is missing at the end of the file belongs to what was opened before it
+        mark = error.context_mark or mark
+    if mark is None:
+        return Mistake(file, f"this is not YAML ({problem})", "save the file as plain text")
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    if "\t" in line[: len(line) - len(line.lstrip())]:
+        problem, remedy = "a tab in the indentation", "indent with spaces, not with tabs"
+    else:
+        remedy = next((r for phrase, r in _REMEDIES if phrase in problem), "look at this line and the one above it")
+    start = getattr(error, "context_mark", None) or mark
+    inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
+    return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
+
+
+class _Composer:
+    """Builds the data while the events come in; `mistakes` holds those that do not stop it."""
+
+    def __init__(self, events: Iterator[yaml.Event], file: str):
+        self.events, self.file = events, file
+        self.lines: dict[Path, int] = {}
+        self.mistakes: list[Mistake] = []
+        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.nodes = self.aliases = 0
+
+    def document(self) -> Any:
+        data, documents = None, 0
+        for event in self.events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                documents += 1
+                if documents > 1:
+                    self.stop(event, "a second document starts here (---)", "keep one problem in a file")
+                data = self.node(next(self.events), ())
+        return data
+
+    def node(self, event: yaml.Event, path: Path) -> Any:
+        """The value that starts with this event."""
+        self.check(event, path)
+        if isinstance(event, yaml.AliasEvent):
+            return self.alias(event)
+        before = self.nodes
+        if isinstance(event, yaml.ScalarEvent):
+            value = scalar(event.value) if event.implicit[0] else event.value
+        elif isinstance(event, yaml.SequenceStartEvent):
+            value = self.sequence(path)
+        else:
+            value = self.mapping(path)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = value, self.nodes - before + 1
+        return value
+
+    def sequence(self, path: Path) -> list:
+        items: list[Any] = []
+        while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
+            here = (*path, len(items))
+            self.lines[here] = event.start_mark.line + 1
+            items.append(self.node(event, here))
+        return items
+
+    def mapping(self, path: Path) -> dict[str, Any]:
+        entries: dict[str, Any] = {}
+        while not isinstance(event := next(self.events), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent):
+                self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
+            self.check(event, path)
+            here = (*path, event.value)
+            line = event.start_mark.line + 1
+            if event.value in entries:
+                what = f"the key is given twice, first on line {self.lines[here]}"
+                self.mistakes.append(Mistake(f"{self.file}:{line}: {show(here)}", what, "remove one of them"))
+                self.node(next(self.events), here)
+                continue
+            self.lines[here] = line
+            entries[event.value] = self.node(next(self.events), here)
+        return entries
+
+    def alias(self, event: yaml.AliasEvent) -> Any:
+        if event.anchor not in self.anchors:
+            self.stop(event, f"*{brief(event.anchor)} refers to no anchor", "put a text that starts with * in quotes")
+        value, size = self.anchors[event.anchor]
+        self.aliases += 1
+        self.nodes += size
+        if self.aliases > MAX_ALIASES:
+            self.stop(event, f"the file has more than {MAX_ALIASES} aliases", "write the values out")
+        self.check_size(event)
+        return copy.deepcopy(value)
+
+    def check(self, event: yaml.Event, path: Path) -> None:
+        self.nodes += 1
+        self.check_size(event)
+        if len(path) > MAX_DEPTH:
+            self.stop(event, f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation")
+        if getattr(event, "tag", None) is not None:
+            what = f"the tag {brief(event.tag)} is not allowed"
+            self.stop(event, what, "write the plain value, or put the text in quotes")
+
+    def check_size(self, event: yaml.Event) -> None:
+        if self.nodes > MAX_NODES:
+            self.stop(event, f"the file holds more than {MAX_NODES} values", "remove aliases or shorten its lists")
+
+    def stop(self, event: yaml.Event, what: str, remedy: str):
+        raise SpecError([*self.mistakes, Mistake(f"{self.file}:{event.start_mark.line + 1}", what, remedy)])

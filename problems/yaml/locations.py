@@ -1,0 +1,74 @@
+"""Findings: mistakes located by their path in the data, until the file and line of that path are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from ..errors import Mistake
+from .document import Path, show
+
+MAX_FINDINGS = 100
+
+
+class Finding(NamedTuple):
+    """A mistake at a path: `Mistake` without the file."""
+
+    path: Path
+    what: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where each path was given: lines in the file, or an override (path -> its text on the command line)."""
+
+    file: str
+    lines: Mapping[Path, int]
+    overrides: Mapping[Path, str] = field(default_factory=dict)
+
+    def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
+        """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read."""
+        ordered = sorted(dict.fromkeys(findings), key=lambda finding: self._line(finding.path))
+        located = [Mistake(self._where(f.path), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
+        if len(ordered) > MAX_FINDINGS:
+            located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
+        return tuple(located)
+
+    def overridden(self, path: Path) -> bool:
+        """Whether the value at a path was given on the command line."""
+        return isinstance(self._origin(path), str)
+
+    def known(self, path: Path) -> bool:
+        return path in self.lines or path in self.overrides
+
+    def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
+        """Mistakes whose `where` is a path such as solver.max_iter, with the file and line of that path."""
+        located = []
+        for mistake in mistakes:
+            path = tuple(int(step) if step.isdigit() else step for step in mistake.where.split("."))
+            located.append(replace(mistake, where=self._where(path)))
+        return located
+
+    def _origin(self, path: Path) -> int | str:
+        """The line, or the override, of the longest part of the path that was given."""
+        for n in range(len(path), 0, -1):
+            if path[:n] in self.overrides:
+                return self.overrides[path[:n]]
+            if path[:n] in self.lines:
+                return self.lines[path[:n]]
+        return 1
+
+    def _line(self, path: Path) -> float:
+        origin = self._origin(path)
+        return origin if isinstance(origin, int) else float("inf")
+
+    def _where(self, path: Path) -> str:
+        origin = self._origin(path)
+        if isinstance(origin, str):
+            return f"--set {origin}"
+        if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
+            # the long form of a value that the file gives in short
+            path = path[:-1]
+        return f"{self.file}:{origin}: {show(path)}" if path else f"{self.file}:{origin}"

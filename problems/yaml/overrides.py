@@ -1,0 +1,115 @@
+"""Overrides from the command line: PATH=VALUE sets one value of the file, before anything is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from ..errors import Mistake, SpecError
+from ..expressions.slips import nearest
+from . import document as yamltext
+from .document import Document, Path, kind, show
+
+# A new name in these would almost always be a misspelt one, and do nothing.
+_NAMED = frozenset({"parameters", "expressions", "states", "controls", "algebraic", "optimize"})
+_OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
+
+
+def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, Any], dict[Path, str]]:
+    """The data with every override applied (in place), and the path of each -> PATH as the user wrote it.
+
+    A path is keys and list indices with dots between them: mesh.0.segments, also mesh[0].segments, mesh.-1.tolerance
+    and mesh.*.method for all. The value is YAML; an empty one takes the key away. Raises SpecError for a path that
+    leads nowhere.
+    """
+    given: dict[Path, str] = {}
+    mistakes: list[Mistake] = []
+    for text in overrides:
+        shown, equals, value = text.partition("=")
+        try:
+            if not equals or not shown.strip():
+                raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
+            where = f"--set {shown.strip()}"
+            new = yamltext.value(value, where)
+            for path in list(_paths(document.data, shown.strip(), where)):
+                _assign(document.data, path, new, where)
+                # what is on the way and not in the file is new as well
+                new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
+                given |= dict.fromkeys([*new_ones, path], shown.strip())
+        except SpecError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise SpecError(mistakes)
+    return document.data, given
+
+
+def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
+    """The paths that an override names: several with *."""
+    steps = shown.replace("[", ".").replace("]", "").split(".")
+    if len(steps) > yamltext.MAX_DEPTH or "" in steps:
+        raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
+    found: list[tuple[Path, Any]] = [((), data)]
+    for step in steps:
+        if not (data.get("model") and steps[0] in _OF_MODEL):
+            _check_declared(found, step, where)
+        found = [((*path, key), _below(node, key)) for path, node in found for key in _keys(node, step, path, where)]
+    return (path for path, _ in found)
+
+
+def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:
+    """The keys that one step of a path means below a node."""
+    if step == "*":
+        keys = list(node) if isinstance(node, dict) else list(range(len(node))) if isinstance(node, list) else []
+        if not keys:
+            raise SpecError(Mistake(where, f"{show(path) or 'the file'} has nothing for * to mean", "name the key"))
+        return keys
+    if isinstance(node, list):
+        return [_index(node, step, path, where)]
+    return [step]
+
+
+def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> None:
+    """Refuse a new name in a section of names."""
+    for path, node in found:
+        if len(path) == 1 and path[0] in _NAMED and step not in (node or {}) and step != "*":
+            close = nearest(step, node or ())
+            remedy = f"did you mean {close}?" if close else "declare it in the file first"
+            raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
+
+
+def _index(items: list, step: str, path: Path, where: str) -> int:
+    try:
+        index = int(step)
+    except ValueError:
+        what = f"{show(path)} is a list, so {step} is no key of it"
+        raise SpecError(Mistake(where, what, f"write an index such as {show((*path, 0))}, or * for all")) from None
+    if not -len(items) <= index < len(items):
+        what = f"{show(path)} has {len(items)} entries, so there is no entry {index}"
+        raise SpecError(Mistake(where, what, f"write an index from 0 to {len(items) - 1}"))
+    return index % len(items)
+
+
+def _below(node: Any, key: str | int) -> Any:
+    if isinstance(node, list):
+        return node[key]
+    return node.get(key) if isinstance(node, dict) else None
+
+
+def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
+    """Set one value. A plain value on the way, such as 0.3 for {value: 0.3}, becomes its long form."""
+    node: Any = data
+    for i, (step, following) in enumerate(pairwise(path)):
+        inner = node[step] if isinstance(node, list) else node.get(step)
+        if not isinstance(inner, dict | list):
+            if not isinstance(following, str) or isinstance(inner, bool):
+                raise SpecError(Mistake(where, f"{show(path[: i + 1])} is {kind(inner)}", "name what stands there"))
+            short = "expression" if path[0] == "residuals" else "value"
+            inner = {} if inner in (None, "linear", "slack") else {short: inner}
+            node[step] = inner
+        node = inner
+    last, old = path[-1], _below(node, path[-1])
+    if isinstance(old, dict) and "value" in old and not isinstance(new, dict | list):
+        old["value"] = new
+    else:
+        node[last] = new

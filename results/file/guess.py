@@ -1,0 +1,77 @@
+"""An earlier result as the guess of a new solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ...problems.errors import Mistake, SpecError
+from ...problems.problem import Guess, Phase, Problem
+from .write import open_result
+
+KINDS = ("state", "control", "algebraic")
+
+
+def guess_from(path: Path, problem: Problem) -> list[Guess]:
+    """The trajectories of a result file as one guess for each phase, on the file's dense grid.
+
+    States, controls and parameters that the file does not have keep the problem's own guess, so that a result of a
+    simpler problem can start a richer one; `lacking` tells which. Raises FileError if the file is no result, SpecError
+    if it has none of the states.
+    """
+    with open_result(path) as file:
+        return [_guess(path, file, phase) for phase in problem.phases]
+
+
+def lacking(path: Path, problem: Problem) -> list[Mistake]:
+    """A warning for each phase with names that the result file does not have, and what they start from instead.
+
+    Raises FileError if the file is no result.
+    """
+    found = []
+    with open_result(path) as file:
+        for phase in problem.phases:
+            known = _names(file.get(f"phase/{phase.name}", {}))
+            names = [*_told(phase.guess.values, known), *_told(phase.guess.parameters, known)]
+            if names:
+                where = "" if len(problem.phases) == 1 else f" in phase {phase.name}"
+                what = f"it does not have {', '.join(names)}{where}"
+                found.append(Mistake(str(path), what, "these start from the guess of the problem file"))
+    return found
+
+
+def _names(group: Mapping) -> set[str]:
+    """Everything that a phase of a result file can give to a guess."""
+    places = (*(f"dense/{kind}" for kind in KINDS), "parameter")
+    return {name for place in places for name in group.get(place, {})}
+
+
+def _told(values: Mapping, known: set[str]) -> list[str]:
+    """The names that are not known, each with its first and last guess."""
+    ends = {name: np.ravel(value)[[0, -1]] for name, value in values.items() if name not in known}
+    return [f"{name} ({a:.4g})" if a == b else f"{name} ({a:.4g} to {b:.4g})" for name, (a, b) in ends.items()]
+
+
+def _guess(path: Path, file: h5py.File, phase: Phase) -> Guess:
+    group = file.get(f"phase/{phase.name}", {})
+    if not any(state.name in group.get("dense/state", {}) for state in phase.states):
+        names = ", ".join(state.name for state in phase.states)
+        raise SpecError(Mistake(str(path), f"it has none of the states {names}", "give a result of a similar problem"))
+    dense, own = group["dense"], phase.guess
+    time = dense["time"][:]
+    s = (time - time[0]) / (time[-1] - time[0])
+    known = {name: values for kind in KINDS for name, values in _curves(dense[kind])}
+    return Guess(
+        initial_time=phase.initial_time.clip(float(time[0])),
+        final_time=phase.final_time.clip(float(time[-1])),
+        s=s,
+        values={**own.samples(s), **{name: values for name, values in known.items() if name in own.values}},
+        parameters={**own.parameters, **{name: float(value[()]) for name, value in group["parameter"].items()}},
+    )
+
+
+def _curves(group: h5py.Group) -> Iterator[tuple[str, np.ndarray]]:
+    return ((name, np.nan_to_num(values[:])) for name, values in group.items())

@@ -1,0 +1,178 @@
+"""A result file as arrays: everything that the pictures are drawn from. Reads the file and nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ...problems.errors import Mistake, SpecError
+from ...problems.problem import Problem, Range
+from .write import open_result
+
+KINDS = ("state", "control", "algebraic", "costate")
+NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One quantity of a phase: its unit, its values (K,) at the points of the mesh and (M,) on the dense grid."""
+
+    unit: str
+    points: np.ndarray
+    dense: np.ndarray
+
+
+@dataclass(frozen=True)
+class PhaseCurves:
+    """One phase of a result.
+
+    time: (K,) of the points, dense_time: (M,), knots: (N + 1,) times of the segments' edges, all in `time_unit`.
+    curves: kind ("state", "control", "algebraic", "costate") -> name -> curve; a kind may be missing or empty.
+    epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
+    """
+
+    name: str
+    time_unit: str
+    time: np.ndarray
+    dense_time: np.ndarray
+    knots: np.ndarray
+    curves: Mapping[str, Mapping[str, Curve]]
+    epsilon: Mapping[str, Curve]
+    eta: Mapping[str, np.ndarray]
+    parameters: Mapping[str, float]
+
+    @property
+    def at_knot(self) -> np.ndarray:
+        """Which of the points are knots, shape (K,); the others lie inside a segment."""
+        nearest = np.abs(self.time[:, None] - self.knots[self._nearest_knot()]).min(axis=1)
+        return nearest <= NEAR * abs(self.knots[-1] - self.knots[0])
+
+    def _nearest_knot(self) -> np.ndarray:
+        """The indices of the knots before and after each point, shape (K, 2)."""
+        after = np.clip(np.searchsorted(self.knots, self.time), 1, len(self.knots) - 1)
+        return np.stack([after - 1, after], axis=1)
+
+    def values(self, kind: str, t: np.ndarray) -> dict[str, np.ndarray]:
+        """Every curve of a kind at times t, from the dense grid: fine enough for a picture."""
+        return {name: np.interp(t, self.dense_time, c.dense) for name, c in self.curves.get(kind, {}).items()}
+
+
+@dataclass(frozen=True)
+class MeshEntry:
+    """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave."""
+
+    method: str
+    edges: np.ndarray
+    unknowns: int
+    objective: float
+    max_eta: float
+
+
+@dataclass(frozen=True)
+class Result:
+    """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data."""
+
+    path: Path
+    problem: str
+    solved: bool
+    message: str
+    objective: float
+    phases: tuple[PhaseCurves, ...]
+    meshes: tuple[MeshEntry, ...]
+    spec: Mapping[str, Any] = field(repr=False)
+
+    def names(self, kind: str) -> list[str]:
+        """The names of all curves of a kind, in the order of the problem file."""
+        return list(dict.fromkeys(name for phase in self.phases for name in phase.curves.get(kind, {})))
+
+    @property
+    def states(self) -> list[str]:
+        return self.names("state")
+
+    def build(self) -> tuple[Problem, dict[str, float]]:
+        """The problem that was solved, and the numbers of its parameters, fixed and optimised.
+
+        Raises SpecError if another version of trajopt wrote the file and this one cannot read its problem.
+        """
+        from pydantic import ValidationError
+
+        from ...problems.build import build
+        from ...problems.names.symbols import Symbols
+        from ...problems.schema.spec import Spec
+
+        try:
+            spec = Spec.model_validate(self.spec)
+            problem, numbers = build(spec), Symbols(spec).numbers
+        except (ValidationError, SpecError) as error:
+            what = "the problem in it cannot be read by this version of trajopt"
+            raise SpecError(Mistake(str(self.path), what, "solve the problem again")) from error
+        return problem, {**numbers, **self.phases[0].parameters}
+
+
+def read(path: Path) -> Result:
+    """Read a result file. Raises FileError if it cannot be read or is no result of trajopt."""
+    with open_result(path) as file:
+        return Result(
+            path=Path(path),
+            problem=str(file.attrs["problem"]),
+            solved=bool(file.attrs["solved"]),
+            message=str(file.attrs["message"]),
+            objective=float(file.attrs["objective"]),
+            phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
+            meshes=tuple(_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
+            spec=json.loads(file["spec/full"].asstr()[()]),
+        )
+
+
+def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
+    """Phase -> name of a state or input -> the range that its bounds and path constraints leave it.
+
+    Of the path constraints those count that bound one name alone, such as `expression: x, upper: l`.
+    """
+    return {phase.name: _ranges(phase) for phase in problem.phases}
+
+
+def _ranges(phase) -> dict[str, Range]:
+    ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
+    for constraint in phase.path:
+        name = getattr(constraint.function, "text", None)
+        if name in ranges:
+            ranges[name] = ranges[name].intersection(constraint.bounds)
+    return ranges
+
+
+def _phase(name: str, group: h5py.Group) -> PhaseCurves:
+    points, dense, time = group["points"], group["dense"], group["points/time"]
+    eta = group["error/eta"][:]
+    return PhaseCurves(
+        name=name,
+        time_unit=_unit(time),
+        time=time[:],
+        dense_time=dense["time"][:],
+        knots=group["knots"][:],
+        curves={kind: _curves(points.get(kind, {}), dense.get(kind, {})) for kind in KINDS},
+        epsilon={state: Curve(_unit(d), np.empty(0), d[:]) for state, d in dense.get("epsilon", {}).items()},
+        eta={state: eta[:, i] for i, state in enumerate(group["error/state"].asstr()[:])},
+        parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
+    )
+
+
+def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:
+    return {name: Curve(_unit(dense[name]), points[name][:], dense[name][:]) for name in points if name in dense}
+
+
+def _unit(dataset: h5py.Dataset) -> str:
+    return str(dataset.attrs.get("units", ""))
+
+
+def _mesh(group: h5py.Group) -> MeshEntry:
+    a = group.attrs
+    return MeshEntry(
+        str(a["method"]), group["edges"][:], int(a["unknowns"]), float(a["objective"]), float(a["max_eta"])
+    )

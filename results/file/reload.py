@@ -1,0 +1,78 @@
+"""A result file -> the problem it solved and its trajectories, as they were in memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from ...problems.build import build
+from ...problems.load import load_text
+from ...problems.problem import Problem
+from ...problems.schema.spec import Spec
+from ...transcription.engines.outcome import Outcome, Status
+from ...transcription.program.compiler import CompiledNLP
+from ...transcription.schemes.mesh import Mesh
+from ...transcription.schemes.table import find
+from ...transcription.solution.costate import with_costates
+from ...transcription.solution.trajectory import Trajectory, trajectories
+from ...transcription.transcribe import Transcription, compiled, transcribe
+from .write import open_result
+
+
+@dataclass(frozen=True)
+class Reloaded:
+    """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers.
+
+    objective: as the problem file writes it; that of `outcome` is the minimised one.
+    """
+
+    spec: Spec
+    problem: Problem
+    transcription: Transcription
+    nlp: CompiledNLP
+    outcome: Outcome
+    trajectories: tuple[Trajectory, ...]
+    objective: float
+    solved: bool
+    overrides: tuple[str, ...]
+
+
+def _mesh(group: h5py.Group) -> Mesh:
+    """The mesh of a group /mesh/<k>; methods of one degree store none."""
+    method, widths = group.attrs["method"], np.diff(group["edges"][:])
+    if "substeps" in group.attrs:
+        how = {"substeps": int(group.attrs["substeps"]), "control": group.attrs["control"]}
+        return Mesh.of(find(method, **how), widths.tolist())
+    if "degree" not in group:
+        return Mesh.of(find(method), widths.tolist())
+    forms = ["differential" if differential else "integral" for differential in group["differential"][:]]
+    schemes = (find(method, int(n), form) for n, form in zip(group["degree"][:], forms, strict=True))
+    return Mesh(tuple(schemes), widths)
+
+
+def _outcome(file: h5py.File, sense: int) -> Outcome:
+    solver = file["solver"]
+    return Outcome(
+        status=Status[file.attrs["status"].upper()],
+        **{name: solver[name][:] for name in ("z", "y", "z_lower", "z_upper")},
+        objective=sense * float(file.attrs["objective"]),
+        iterations={},
+    )
+
+
+def reload(path: Path) -> Reloaded:
+    """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
+    with open_result(path) as file:
+        spec = load_text(file["spec/full"].asstr()[()], str(path))
+        problem = build(spec)
+        mesh = _mesh(file["mesh"][str(len(file["mesh"]) - 1)])
+        outcome = _outcome(file, problem.sense)
+        objective, solved = float(file.attrs["objective"]), bool(file.attrs["solved"])
+        overrides = tuple(file["spec"].attrs["overrides"])
+    transcription = transcribe(problem, [mesh] * len(problem.phases))
+    nlp = compiled(transcription)
+    phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
+    return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides)

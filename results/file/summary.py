@@ -1,0 +1,123 @@
+"""One machine-readable object for a result file: what `solve` and `show` print and `--json` gives."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from .write import open_result
+
+
+def summarize(path: Path) -> dict[str, Any]:
+    """Read a result file; plain numbers, strings, lists and dictionaries only, NaN and infinity as None.
+
+    Raises FileError if the file cannot be read or is no result of trajopt.
+    """
+    with open_result(path) as file:
+        return plain(_summary(path, file))
+
+
+def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
+    head = {key: file.attrs[key] for key in (
+        "problem", "status", "solved", "message", "remedy", "trouble", "objective", "sense",
+        "created", "command", "trajopt_version", "pyomo_version", "ipopt_version",
+    )}  # fmt: skip
+    solver = file["solver"].attrs
+    seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
+    meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]
+    return {
+        "file": str(path),
+        **head,
+        "reference": _reference(file),
+        "violations": list(solver["violations"]),
+        "unmet": list(solver["unmet"]),
+        "unmet_count": solver["unmet_count"],
+        "stopped": solver["stopped"],
+        "iterations": sum(mesh["iterations"] for mesh in meshes),
+        "error": _error(file),
+        "phases": {name: _phase(group) for name, group in file["phase"].items()},
+        "meshes": meshes,
+        "seconds": {**seconds, "total": sum(seconds.values())},
+    }
+
+
+def _attributes(mesh: h5py.Group) -> dict[str, Any]:
+    plain = {key: value for key, value in mesh.attrs.items() if not key.startswith("seconds_")}
+    seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
+    return {**plain, "seconds": seconds}
+
+
+def _reference(file: h5py.File) -> dict[str, Any] | None:
+    """The file's reference value beside ours; None where the problem file gives none.
+
+    It belongs to the file as it stands: a command line that changed the problem or the mesh leaves `agrees` open.
+    """
+    reference = json.loads(file["spec/full"].asstr()[()]).get("reference")
+    if not reference:
+        return None
+    difference = float(file.attrs["objective"]) - reference["objective"]
+    overrides = list(file["spec"].attrs["overrides"])
+    agrees = None if overrides else abs(difference) <= reference["tolerance"]
+    return {**reference, "difference": difference, "agrees": agrees, "overrides": overrides}
+
+
+def _error(file: h5py.File) -> dict[str, Any]:
+    """The largest eta and where it is: phase, state, segment (the first is 1) and the segment's times."""
+    worst = {"max_eta": -np.inf}
+    for name, phase in file["phase"].items():
+        eta = phase["error/eta"][:]
+        segment, state = np.unravel_index(np.nanargmax(np.nan_to_num(eta, nan=np.inf)), eta.shape)
+        if not eta[segment, state] <= worst["max_eta"]:
+            worst = {
+                "max_eta": eta[segment, state],
+                "phase": name,
+                "state": phase["error/state"].asstr()[state],
+                "segment": segment + 1,
+                "start": phase["knots"][segment],
+                "end": phase["knots"][segment + 1],
+            }
+    return worst
+
+
+def _phase(group: h5py.Group) -> dict[str, Any]:
+    points, time = group["points"], group["points/time"]
+    eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
+    return {
+        "time": {"initial": time[0], "final": time[-1], "unit": _unit(time)},
+        "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
+        "controls": {name: _curve(values) for name, values in points["control"].items()},
+        "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
+        "parameters": {name: {"value": value[()], "unit": _unit(value)} for name, value in group["parameter"].items()},
+    }
+
+
+def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
+    values = dataset[:]
+    return {
+        "initial": values[0],
+        "final": values[-1],
+        "min": np.fmin.reduce(values),
+        "max": np.fmax.reduce(values),
+        "unit": _unit(dataset),
+    }
+
+
+def _unit(dataset: h5py.Dataset) -> str:
+    return dataset.attrs.get("units", "")
+
+
+def plain(value: Any) -> Any:
+    """The same without NumPy's types, and None for numbers that are not finite: what JSON can hold."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,278 @@
+"""A solution -> one HDF5 file, which h5py, xarray and every netCDF-4 tool can read.
+
+    /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
+                               objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
+    /spec/                     text: the problem file as given; full: the same with every default, as JSON;
+                               attribute: overrides (the paths that the command line changed)
+    /phase/<name>/             knots (knot), the times of the segments' edges
+        points/                time, at the points of the mesh, and over it
+            state/<name>, costate/<name>, control/<name>, algebraic/<name>
+        dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
+            epsilon/<state>    dx/dt - f
+        error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
+                               relative (segment) and excess (segment) of bounds, what refinement looks at
+        parameter/<name>       scalar, optimised static parameters
+    /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
+                               attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
+                               iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
+    /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
+                               attributes: engine, every option, seconds_<part> (over all meshes), violations,
+                               unmet_count and unmet (segments that refinement left above its tolerance), stopped
+                               (why a mesh after the last is missing), scaling (sizes of the automatic one, JSON)
+
+Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
+Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
+wants a dimension to have one size in a group and all groups below it; hence points/ and dense/ stand side by side.)
+What is listed keeps the order of the problem file. The file is written under another name in the same folder, flushed
+to disk, and renamed: there is never half a result under the final name, and an older one stays whole until then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+from ...problems.errors import FileError, Mistake
+from ...problems.files import check_writable, replacing
+from ...transcription.schemes.runge_kutta import Shooting
+
+if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
+    from ...problems.problem import Phase, Problem, Variable
+    from ...transcription.solution.error import ErrorProfile
+    from ...transcription.solution.solution import MeshRecord, Solution
+    from ...transcription.solution.trajectory import Trajectory
+
+FORMAT, FORMAT_VERSION = "trajopt result", 1
+MAX_UNMET = 20  # segments told one by one
+
+
+def check_target(path: Path, problem: str, force: bool = False) -> None:
+    """Refuse, before any work is done, a path that `write` could not or should not write.
+
+    An existing file is replaced only if it is an earlier result of the same problem, or if `force`.
+    Raises FileError.
+    """
+    check_writable(path)
+    if path.exists() and not force and (owner := _problem_of(path)) != problem:
+        what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
+        raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
+
+
+def _problem_of(path: Path) -> str | None:
+    try:
+        with open_result(path) as file:
+            return file.attrs["problem"]
+    except FileError:
+        return None
+
+
+@contextmanager
+def open_result(path: Path) -> Iterator[h5py.File]:
+    """A result file, open for reading. Raises FileError if it cannot be read or is no result of this version."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        missing = "there is no such file" if not path.exists() else "it is a folder"
+        reason = "it cannot be read as HDF5" if path.is_file() else missing
+        raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
+    with file:
+        if str(file.attrs.get("format")) != FORMAT:
+            raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
+        if file.attrs["format_version"] > FORMAT_VERSION:
+            what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
+            raise FileError(Mistake(str(path), what, "update trajopt"))
+        yield file
+
+
+def write(
+    path: Path,
+    solution: Solution,
+    spec_text: str,
+    spec_full: str,
+    command: str,
+    overrides: Sequence[str] = (),
+) -> None:
+    """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError.
+
+    overrides: the paths that the command line changed, so that the file's reference is none of this result.
+
+    HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
+    """
+    with h5py.File(path.name, "w", driver="core", backing_store=False, track_order=True) as file:
+        _write_head(file, solution, command)
+        spec = _group(file, "spec")
+        spec["text"], spec["full"] = spec_text, spec_full
+        spec.attrs["overrides"] = _texts(overrides)
+        phases = _group(file, "phase")
+        for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
+            group = _group(phases, trajectory.phase.name)
+            _write_phase(group, trajectory, error)
+            _write_parameters(_group(group, "parameter"), solution.problem, trajectory.parameters)
+        meshes = _group(file, "mesh")
+        for number, record in enumerate(solution.meshes):
+            _write_mesh(_group(meshes, str(number)), record)
+        _write_solver(_group(file, "solver"), solution)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
+
+
+def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
+    status = solution.status
+    file.attrs.update(
+        {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "problem": solution.problem.name,
+            "status": status.name.lower(),
+            "solved": solution.solved,
+            "message": status.message,
+            "remedy": status.remedy,
+            "trouble": solution.trouble,
+            "objective": solution.objective,
+            "sense": "minimize" if solution.problem.sense > 0 else "maximize",
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+            "command": command.encode(
+                errors="backslashreplace"
+            ).decode(),  # names of files may hold bytes that are no text
+            "trajopt_version": version("trajopt"),
+            "pyomo_version": version("pyomo"),
+            "ipopt_version": solution.outcome.solver.get("ipopt", ""),  # none for another engine
+        }
+    )
+
+
+def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
+    phase, sample = trajectory.phase, trajectory.dense
+    _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
+    points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
+    costates = ([], []) if trajectory.costate is None else (trajectory.point_costate, sample.costate)
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costates[0])
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=costates[1])
+    profiles = _group(dense, "epsilon")
+    for state, epsilon in zip(phase.states, error.epsilon, strict=True):
+        unit = f"{state.unit or '1'}/{phase.time_unit}"
+        _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
+    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "index of the segment, from 0")
+    names = _scale(errors, "state", [state.name for state in phase.states], "state")
+    _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
+    _array(
+        errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
+    )
+    _array(
+        errors,
+        "excess",
+        error.largest_excess,
+        [segment],
+        "largest excess of bounds and path constraints over 1 + bound",
+    )
+
+
+def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
+    for parameter in problem.parameters:
+        _array(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
+
+
+def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
+    """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
+    time = _scale(group, "time", t, "time", phase.time_unit)
+    n = len(phase.controls)
+    _write_kind(group, "state", phase.states, x, time)
+    _write_kind(group, "control", phase.controls, u[:n], time)
+    _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
+    duals = _group(group, "costate")  # no unit: the objective has none to begin with
+    for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
+        _array(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
+    return time
+
+
+def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
+    curves = _group(group, kind)
+    for variable, values in zip(variables, rows, strict=True):
+        _array(curves, variable.name, values, [time], f"{kind} {variable.name}", unit=variable.unit)
+
+
+def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
+    _scale(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
+    group.attrs.update(
+        {
+            "method": record.mesh.schemes[0].name,
+            "segments": record.mesh.segments,
+            "tolerance": record.tolerance,
+            "status": record.status.name.lower(),
+            "objective": record.objective,
+            "max_eta": record.max_eta,
+            "relative_error": record.relative_error,
+            "iterations": record.iterations,
+            "unknowns": record.unknowns,
+            "constraints": record.constraints,
+            **_seconds(record.seconds),
+        }
+    )
+    if isinstance(scheme := record.mesh.schemes[0], Shooting):
+        group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
+    if any(scheme.degree is not None for scheme in record.mesh.schemes):
+        segment = _scale(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
+        degrees = [scheme.degree for scheme in record.mesh.schemes]
+        forms = [int(scheme.differential) for scheme in record.mesh.schemes]
+        _array(group, "degree", degrees, [segment], "degree of the method")
+        _array(group, "differential", forms, [segment], "whether the defects are in differential form")
+
+
+def _write_solver(group: h5py.Group, solution: Solution) -> None:
+    outcome = solution.outcome
+    records = _group(group, "iterations")
+    iteration = _scale(records, "number", np.arange(len(outcome.iterations["iteration"])), "number of the record")
+    for name, values in outcome.iterations.items():
+        _array(records, name, values, [iteration], name.replace("_", " "))
+    unknown = _scale(group, "unknown", np.arange(len(outcome.z)), "unknown of the nonlinear program")
+    constraint = _scale(group, "constraint", np.arange(len(outcome.y)), "constraint of the nonlinear program")
+    _array(group, "z", outcome.z, [unknown], "unknowns")
+    _array(group, "z_lower", outcome.z_lower, [unknown], "multipliers of the lower bounds")
+    _array(group, "z_upper", outcome.z_upper, [unknown], "multipliers of the upper bounds")
+    _array(group, "y", outcome.y, [constraint], "multipliers of the constraints")
+    parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
+    group.attrs.update({**outcome.solver, **_seconds(parts)})
+    group.attrs["violations"] = _texts(map(str, solution.violations))
+    group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
+    group.attrs["unmet_count"] = len(solution.unmet)
+    group.attrs["stopped"] = solution.stopped
+
+
+def _seconds(parts: Mapping[str, float]) -> dict[str, float]:
+    return {f"seconds_{part.replace(' ', '_')}": value for part, value in parts.items()}
+
+
+def _texts(texts: Iterable[str]) -> np.ndarray:
+    """An array of texts even if there are none, which h5py would take for numbers."""
+    return np.array(list(texts), h5py.string_dtype())
+
+
+def _group(parent: h5py.Group, name: str) -> h5py.Group:
+    """A new group that lists its members and attributes in the order of their making."""
+    return parent.create_group(name, track_order=True)
+
+
+def _scale(group: h5py.Group, name: str, values, long_name: str, unit: str = "") -> h5py.Dataset:
+    dataset = _array(group, name, values, [], long_name, unit=unit)
+    dataset.make_scale(name)
+    return dataset
+
+
+def _array(group: h5py.Group, name: str, values, scales, long_name: str, *, unit: str = "") -> h5py.Dataset:
+    """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
+    dataset = group.create_dataset(name, data=values)
+    dataset.attrs["long_name"] = long_name
+    if unit:
+        dataset.attrs["units"] = unit
+    for axis, scale in enumerate(scales):
+        dataset.dims[axis].attach_scale(scale)
+    return dataset

@@ -1,0 +1,1 @@
+"""Curves of a result in; figures and films out."""

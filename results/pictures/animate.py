@@ -1,0 +1,272 @@
+"""Moving pictures of a result, and many poses in one picture: any problem that has a drawing."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps, patches
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.files import replacing
+from ...problems.models.drawings import Circle, Ground, Polyline, Rectangle, Shape, drawing_of
+from ..file.read import Result
+from .style import BLACK, GREY, LETTER, PARTS, TIME_COLOURS, VERMILION, Frame, head, labelled, look, mark, plain
+
+TRACE_POINTS = 400
+FILM_DPI = 100
+LAST_FRAME = 0.8  # seconds that a film rests on its last frame before it begins again
+LARGEST, SMALLEST = (6.0, 5.5), (3.0, 1.0)  # inches: width and height of the panel
+MARGIN = 0.06  # around what is drawn, part of its longer side
+
+
+@dataclass(frozen=True)
+class Pose:
+    """What there is to see at time t."""
+
+    t: float
+    shapes: Sequence[Shape]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that is drawn of a result.
+
+    at: times (K,) -> the poses. times: from the initial to the final one. box: (2, 2), the lower left and upper right
+    corners around everything. traces: number of a shape -> the path of its centre, (len(times), 2).
+    """
+
+    result: Result
+    at: Callable[[np.ndarray], list[Pose]]
+    times: np.ndarray
+    box: np.ndarray
+    traces: Mapping[int, np.ndarray]
+
+    @property
+    def start(self) -> float:
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        return float(self.times[-1])
+
+
+def scene(result: Result) -> Scene:
+    """Raises SpecError if the problem has no drawing, or the result no finite values to draw."""
+    drawing = drawing_of(result.spec, result.states)
+    _, parameters = result.build()
+
+    def at(times: np.ndarray) -> list[Pose]:
+        values = _values(result, times)
+        rows = ({name: float(column[k]) for name, column in values.items()} for k in range(len(times)))
+        return [Pose(float(t), drawing(row, parameters)) for t, row in zip(times, rows, strict=True)]
+
+    times = np.linspace(result.phases[0].knots[0], result.phases[-1].knots[-1], TRACE_POINTS)
+    finite = all(np.isfinite(column).all() for column in _values(result, times).values())
+    if not finite:
+        raise SpecError(Mistake(str(result.path), "the trajectory is not finite", "look at it with 'trajopt show'"))
+    poses = at(times)
+    corners = np.concatenate([_corners(shape) for pose in poses for shape in pose.shapes])
+    traced = [i for i, shape in enumerate(poses[0].shapes) if isinstance(shape, Circle) and shape.trace]
+    traces = {i: np.array([pose.shapes[i].centre for pose in poses]) for i in traced}
+    return Scene(result, at, times, np.array([np.nanmin(corners, axis=0), np.nanmax(corners, axis=0)]), traces)
+
+
+def _values(result: Result, times: np.ndarray) -> dict[str, np.ndarray]:
+    """States and controls at times (K,), of the phase that each time belongs to."""
+    ends = [phase.knots[-1] for phase in result.phases[:-1]]
+    owner = np.searchsorted(ends, times, side="right")
+    parts = [{**p.values("state", times), **p.values("control", times)} for p in result.phases]
+    names = set(parts[0]).intersection(*parts[1:])
+    return {name: np.choose(owner, [part[name] for part in parts]) for name in names}
+
+
+def _corners(shape: Shape) -> np.ndarray:
+    """Points (K, 2) whose hull holds the shape."""
+    match shape:
+        case Polyline(points=points):
+            return np.array(points)
+        case Rectangle(centre=centre, width=width, height=height):
+            return np.array(centre) + 0.5 * np.array([[-width, -height], [width, height]])
+        case Circle(centre=centre, radius=radius):
+            return np.array(centre) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        case Ground(height=height):
+            return np.array([[np.nan, height]])
+
+
+def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 0.0, by_part: bool = False) -> None:
+    """Draw poses uniform in time, coloured by time from dark to light, and the path of what leaves one (Figure 9).
+
+    spread: metres by which each pose stands to the right of the one before. by_part: colours tell the parts of the body
+    apart, and earlier poses are paler (Figure 13). Raises SpecError as `scene` does.
+    """
+    stage = scene(result)
+    poses = stage.at(np.linspace(stage.start, stage.end, n_frames))
+    for trace in stage.traces.values() if not spread else ():
+        ax.plot(*trace.T, color=GREY, linewidth=0.9, zorder=1)
+    moving = [any(a != b for b in others) for a, *others in zip(*(pose.shapes for pose in poses), strict=True)]
+    for shape in (s for s, moves in zip(poses[0].shapes, moving, strict=True) if not moves):
+        paint(ax, shape)
+    for k, pose in enumerate(poses):
+        progress = k / max(n_frames - 1, 1)
+        colour = None if by_part else colormaps[TIME_COLOURS](0.93 * progress)
+        for shape in (s for s, moves in zip(pose.shapes, moving, strict=True) if moves):
+            paint(ax, shape, colour, fade=0.65 * (1 - progress) if by_part else 0.0, shift=k * spread, layer=2 + k)
+    _set_view(ax, stage.box + np.array([[0.0, 0.0], [(n_frames - 1) * spread, 0.0]]))
+
+
+def paint(ax: Axes, shape: Shape, colour=None, *, fade: float = 0.0, shift: float = 0.0, layer: float = 2) -> Artist:
+    """One shape, `shift` metres to the right, in its role's colour if none is given, `fade` (0 to 1) nearer white."""
+    own, dashes = PARTS.get(shape.role, (BLACK, "-"))
+    colour = own if colour is None else colour
+    style = {"alpha": 1 - fade, "zorder": layer}
+    match shape:
+        case Polyline(points=points):
+            x, y = np.array(points).T
+            line = {"linewidth": 2.4, "marker": "o", "markersize": 3.5, "solid_capstyle": "round", "linestyle": dashes}
+            return ax.plot(x + shift, y, color=colour, **line, **style)[0]
+        case Rectangle(centre=(x, y), width=w, height=h):
+            corner = (x + shift - w / 2, y - h / 2)
+            return ax.add_patch(patches.Rectangle(corner, w, h, facecolor=colour, edgecolor=BLACK, lw=0.6, **style))
+        case Circle(centre=(x, y), radius=radius):
+            return ax.add_patch(patches.Circle((x + shift, y), radius, facecolor=colour, edgecolor="none", **style))
+        case Ground(height=height):
+            return ax.axhline(height, color=colour, linewidth=1.6, zorder=0.5)
+
+
+def _set_view(ax: Axes, box: np.ndarray) -> None:
+    """The box and a margin around it, the same scale on both axes."""
+    low, high = box
+    margin = MARGIN * (high - low).max() or 0.5
+    ax.set_xlim(low[0] - margin, high[0] + margin)
+    ax.set_ylim(low[1] - margin, high[1] + margin)
+    ax.set_aspect("equal")
+    ax.grid(False)
+    ax.set_xlabel(labelled("x", "m"))
+    ax.set_ylabel(labelled("y", "m"))
+
+
+def _canvas(stage: Scene, title: str) -> tuple[Figure, Axes]:
+    """A figure whose panel has the shape of the scene."""
+    low, high = stage.box
+    sides = high - low + (2 * MARGIN * (high - low).max() or 1.0)
+    width, height = np.maximum(sides * (LARGEST / sides).min(), SMALLEST)
+    figure, grid = Frame(top=0.65, bottom=0.6).figure([float(height)], 1, float(width))
+    letters = int(figure.get_figwidth() / (1.15 * LETTER))
+    lines = [plain(title, letters)]
+    if not stage.result.solved:
+        lines.append(plain(f"NOT SOLVED: {stage.result.message}", letters))
+    head(figure, lines, BLACK if stage.result.solved else VERMILION)
+    return figure, figure.add_subplot(grid[0, 0])
+
+
+def stop_action_figure(result: Result, n_frames: int) -> Figure:
+    """A whole figure of `stop_action`. Raises SpecError as `scene` does."""
+    with look():
+        stage = scene(result)
+        by_part = any(shape.role == "torso" for shape in stage.at(stage.times[:1])[0].shapes)
+        shades = ("pale", "full") if by_part else ("dark", "light")
+        times = f"{stage.start:.4g} ({shades[0]}) to {stage.end:.4g} {result.phases[0].time_unit} ({shades[1]})"
+        title = f"{result.problem}: {n_frames} poses, t = {times}"
+        figure, ax = _canvas(stage, title)
+        stop_action(ax, result, n_frames, by_part=by_part)
+    return figure
+
+
+def animate(result: Result, path: Path, frames: int, fps: int) -> None:
+    """Write a film of `frames` pictures, uniform in time, to a .gif or .mp4.
+
+    Raises SpecError as `scene` does, or for a .mp4 where there is no ffmpeg; FileError if it cannot be written.
+    """
+    encode = {".gif": _write_gif, ".mp4": _write_mp4}[path.suffix.lower()]
+    with look():
+        stage = scene(result)
+        figure, ax = _canvas(stage, result.problem)
+        figure.set_dpi(FILM_DPI)
+        with replacing(path) as temporary:
+            encode(temporary, _film(stage, figure, ax, frames), fps, mark(result.problem))
+
+
+def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image.Image]:
+    """The pictures one after the other; the axes are drawn once, and over them what moves."""
+    canvas = FigureCanvasAgg(figure)
+    unit = plain(stage.result.phases[0].time_unit, 20)
+    _set_view(ax, stage.box)
+    canvas.draw()
+    background = canvas.copy_from_bbox(figure.bbox)
+    clock = ax.text(1, 1.02, "", transform=ax.transAxes, ha="right", va="bottom")
+    lines = {i: ax.plot([], [], color=GREY, linewidth=0.9, zorder=1)[0] for i in stage.traces}
+    for pose in stage.at(np.linspace(stage.start, stage.end, frames)):
+        past = stage.times <= pose.t
+        for i, line in lines.items():
+            whole = pose.shapes[i].trace == "wire"
+            line.set_data(*stage.traces[i][slice(None) if whole else past].T)
+        clock.set_text(f"t = {pose.t:.2f} {unit}")
+        shapes = [paint(ax, shape) for shape in pose.shapes]
+        canvas.restore_region(background)
+        for artist in sorted([clock, *lines.values(), *shapes], key=lambda artist: artist.get_zorder()):
+            ax.draw_artist(artist)
+        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+        for artist in shapes:
+            artist.remove()
+
+
+def _write_gif(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
+    *rest, last = pictures
+    counted = sorted(last.getcolors(last.width * last.height), reverse=True)
+    palette = np.array([colour for _, colour in counted[:256]], int)  # the last picture has all the colours that matter
+    first, *others = map(_indexer(palette), (*rest, last))
+    delays = [round(1000 / fps)] * len(rest) + [round(1000 * LAST_FRAME)]
+    comment = "; ".join(f"{key}: {value}" for key, value in about.items()).encode()[:255]
+    first.save(path, "GIF", save_all=True, append_images=others, duration=delays, loop=0, comment=comment)
+
+
+def _indexer(palette: np.ndarray) -> Callable[[Image.Image], Image.Image]:
+    """A function that puts pictures into the colours of the palette, shape (P, 3): the same, or else the nearest.
+
+    Pillow's own conversion is coarser: it turns white to grey.
+    """
+    place = np.array([1 << 16, 1 << 8, 1])
+    known = np.full(1 << 24, -1, np.int16)  # number of each colour in the palette, filled as colours come
+
+    def indexed(picture: Image.Image) -> Image.Image:
+        codes = np.asarray(picture, np.int32) @ place
+        new = np.unique(codes[known[codes] < 0])
+        distance = (((new[:, None] // place % 256)[:, None] - palette) ** 2).sum(axis=-1)
+        known[new] = distance.argmin(axis=1) if len(new) else 0
+        result = Image.fromarray(known[codes].astype(np.uint8), "P")
+        result.putpalette(palette.ravel().tolist())
+        return result
+
+    return indexed
+
+
+def check_film(path: Path) -> None:
+    """Refuse, before any work is done, a .mp4 where there is no ffmpeg. Raises SpecError."""
+    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        what = "MP4 films need the program ffmpeg, which is not installed"
+        raise SpecError(Mistake(str(path), what, "install ffmpeg, or give a name that ends with .gif"))
+
+
+def _write_mp4(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
+    check_film(path)
+    pictures = list(pictures)
+    pictures += pictures[-1:] * round(LAST_FRAME * fps)
+    width, height = (2 * (side // 2) for side in pictures[0].size)  # the codec wants even numbers
+    raw = b"".join(picture.crop((0, 0, width, height)).tobytes() for picture in pictures)
+    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
+    command += ["-r", str(fps), "-i", "-", "-pix_fmt", "yuv420p", "-metadata", f"comment=Software: {about['Software']}"]
+    command += ["-metadata", f"title={about['Title']}", str(path)]
+    done = subprocess.run(command, input=raw, capture_output=True, check=False)
+    if done.returncode:
+        reason = (done.stderr.decode(errors="replace").strip().splitlines() or ["without a reason"])[-1]
+        raise FileError(Mistake(str(path), f"ffmpeg failed ({reason})", "give a name that ends with .gif"))

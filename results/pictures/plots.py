@@ -1,0 +1,256 @@
+"""Figures of a result: trajectories and errors.
+
+The functions named draw_* draw on axes that they are given, so that figures of any layout can be made of them; those
+named *_figure lay out a whole figure. Curves are those of the file's dense grid, that is, of the method's own
+interpolant, never straight lines between the points of the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import ceil, inf, log
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ...problems.errors import Mistake, SpecError
+from ...problems.problem import TOLERATED_EXCESS, Range
+from ..file.read import KINDS, Curve, PhaseCurves, Result
+from .style import (
+    BLACK,
+    BLUE,
+    GREY,
+    KIND_COLOURS,
+    LETTER,
+    ORANGE,
+    VERMILION,
+    Frame,
+    Numbers,
+    head,
+    labelled,
+    legend,
+    look,
+    plain,
+    set_title,
+)
+
+Bounds = Mapping[str, Mapping[str, Range]]  # phase -> name -> range, as `curves.bounds_of` gives them
+NO_BOUNDS: Bounds = {}
+
+MAX_PANELS = 160
+TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
+FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
+NOISE = 1e-9  # the same for a curve around zero, in its unit
+LEGEND = (*KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
+PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
+PANEL_HEIGHT = 1.25
+
+
+def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
+    """Draw one quantity of all phases over time: dense curve, points of the mesh, bounds, marks of the mesh.
+
+    kind: "state", "control", "algebraic" or "costate". bounds: empty for a picture without them.
+    """
+    phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
+    for phase in phases:
+        curve = phase.curves[kind][name]
+        colour = KIND_COLOURS[kind]
+        ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
+        _draw_points(ax, phase, curve, colour)
+        _draw_mesh_marks(ax, phase.knots)
+    extent = low, high = _extent([phase.curves[kind][name] for phase in phases])
+    far = _draw_bounds(ax, phases, name, bounds if kind != "costate" else {}, extent)
+    if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
+        middle, half = (low + high) / 2, max(abs(low + high) / 20, NOISE) if low or high else 1.0
+        ax.set_ylim(middle - half, middle + half)
+    width = ax.get_position().width * ax.figure.get_figwidth()
+    set_title(ax, labelled(*_label(kind, name, phases[0]), width), far)
+    ax.yaxis.set_major_formatter(Numbers())
+    set_times(ax, phases)
+
+
+def _label(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
+    """What a panel is called, and its unit; a costate has that of the objective per unit of its state."""
+    if kind != "costate":
+        return name, phase.curves[kind][name].unit
+    unit = phase.curves["state"][name].unit if name in phase.curves["state"] else ""
+    compound = f"({unit})" if set("/*^ ") & set(unit) else unit
+    return f"costate of {name}", f"objective/{compound}" if unit not in ("", "1") else "objective"
+
+
+def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> None:
+    points = 72 * ax.get_position().width * ax.figure.get_figwidth() / len(phase.time)  # between markers; 72 to an inch
+    if points < TOO_NEAR:
+        return
+    size = float(np.clip(0.6 * points, 1.2, 3.5))
+    knot = phase.at_knot
+    style = {"linestyle": "", "markeredgewidth": 0.8, "zorder": 3}
+    ax.plot(phase.time[knot], curve.points[knot], "o", color=BLACK, markersize=size, label="knot", **style)
+    if not knot.all():
+        inner = {"markerfacecolor": "white", "markeredgecolor": colour, "markersize": 0.9 * size}
+        ax.plot(phase.time[~knot], curve.points[~knot], "D", label="point inside a segment", **inner, **style)
+
+
+def _draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
+    """Short strokes on the time axis, at the segments' edges."""
+    style = {"color": GREY, "linewidth": float(np.clip(50 / len(knots), 0.25, 0.6)), "zorder": 1}
+    ax.vlines(knots, 0, 0.035, transform=ax.get_xaxis_transform(), label="segment edge", **style)
+
+
+def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
+    """The least and the greatest finite value; (0, 0) if there is none."""
+    values = np.concatenate([part for curve in curves for part in (curve.points, curve.dense)])
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+
+
+def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[float, float]) -> str:
+    """Dashed lines at the bounds near the curve; one so far off that it would flatten the curve is told in words."""
+    (low, high), far = extent, []
+    near = high - low or max(abs(low), 1.0) / 10
+    for phase in phases:
+        bound = bounds.get(phase.name, {}).get(name, Range())
+        for value, gap, arrow in ((bound.lower, low - bound.lower, "↓"), (bound.upper, bound.upper - high, "↑")):
+            if gap <= near:
+                broken = gap < -TOLERATED_EXCESS * (1 + abs(value))
+                style = {"color": VERMILION if broken else GREY, "label": "violated bound" if broken else "bound"}
+                ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
+            elif gap < inf:
+                far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
+    return "bound " + " ".join(dict.fromkeys(far)) if far else ""
+
+
+def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
+    start, end = phases[0].knots[0], phases[-1].knots[-1]
+    if end > start:
+        ax.set_xlim(start - 0.015 * (end - start), end + 0.015 * (end - start))
+    ax.set_xlabel(labelled("time", phases[0].time_unit))
+
+
+def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
+    """States, controls, algebraic variables and costates over time, each in its panel; `only` those of these names.
+
+    Raises SpecError for a name that is not there, and if there are too many panels for one picture.
+    """
+    sections = _sections(result, only)
+    columns, two_lines = _layout(result, sections)
+    rows = sum(ceil(len(names) / columns) for names in sections.values())
+    with look():
+        frame = Frame(down=0.66, top=1.0) if two_lines else Frame()
+        figure, grid = frame.figure([PANEL_HEIGHT] * rows, columns, PANEL_WIDTH[columns])
+        row, lowest = 0, {}
+        for kind, names in sections.items():
+            for i, name in enumerate(names):
+                ax = figure.add_subplot(grid[row + i // columns, i % columns])
+                draw_curve(ax, result, kind, name, bounds)
+                _unlabel(lowest.get(i % columns))
+                lowest[i % columns] = ax
+            row += ceil(len(names) / columns)
+        finish(figure, result)
+        legend(figure, LEGEND)
+    return figure
+
+
+def _unlabel(ax: Axes | None) -> None:
+    """Only the lowest panel of a column names the time axis."""
+    if ax is not None:
+        ax.set_xlabel("")
+        ax.tick_params(labelbottom=False)
+
+
+def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
+    """kind -> the names to draw; kinds without any are left out."""
+    known = {name for kind in KINDS for name in result.names(kind)}
+    if unknown := [name for name in only if name not in known]:
+        what = f'there is no "{unknown[0]}" in {result.path}'
+        raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
+    chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in KINDS}
+    check_panels(result, sum(map(len, chosen.values())))
+    return {kind: names for kind, names in chosen.items() if names}
+
+
+def check_panels(result: Result, count: int) -> None:
+    if count > MAX_PANELS:
+        what = f"{count} panels do not fit into one picture"
+        raise SpecError(Mistake(str(result.path), what, "choose some names with --only NAME,NAME"))
+
+
+def _layout(result: Result, sections: Mapping[str, Sequence[str]]) -> tuple[int, bool]:
+    """The number of columns, and whether some title needs two lines.
+
+    Few empty places, a page that is neither wide nor long, and panels no narrower than their names.
+    """
+    counts = [len(names) for names in sections.values()]
+    labels = [
+        _label(kind, name, phase)
+        for phase in result.phases
+        for kind, names in sections.items()
+        for name in names
+        if name in phase.curves[kind]
+    ]
+
+    def badness(columns: int) -> float:
+        rows = sum(ceil(count / columns) for count in counts)
+        shape = columns * (PANEL_WIDTH[columns] + Frame.across) / (rows * (PANEL_HEIGHT + Frame.down) + Frame.bottom)
+        cut = any(len(part) * LETTER > PANEL_WIDTH[columns] for label in labels for part in label)
+        return (rows * columns - sum(counts)) / sum(counts) + abs(log(shape / 1.1)) + 5 * cut
+
+    columns = min(PANEL_WIDTH, key=badness)
+    return columns, any("\n" in labelled(*label, PANEL_WIDTH[columns]) for label in labels)
+
+
+def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
+    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figures 11 and 15)."""
+    left, right = axes
+    phases = [phase for phase in result.phases if state in phase.epsilon]
+    for phase in phases:
+        left.plot(phase.dense_time, phase.epsilon[state].dense, color=BLUE, linewidth=1.0, label="epsilon")
+        _draw_mesh_marks(left, phase.knots)
+    left.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
+    left.set_title(labelled(f"ε of {state}", phases[0].epsilon[state].unit), loc="left")
+    left.yaxis.set_major_formatter(Numbers())
+    set_times(left, phases)
+    eta = np.concatenate([phase.eta[state] for phase in phases])
+    right.stairs(eta, np.arange(len(eta) + 1) + 0.5, fill=True, color=ORANGE, edgecolor=BLACK, linewidth=0.4)
+    note = f"max {np.nanmax(eta):.2g} in segment {np.nanargmax(eta) + 1}" if np.isfinite(eta).any() else "not finite"
+    set_title(right, labelled(f"η of {state}", phases[0].curves["state"][state].unit), note)
+    right.set_xlim(0.5, len(eta) + 0.5)
+    right.set_ylim(bottom=0)
+    right.yaxis.set_major_formatter(Numbers())
+    right.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    right.set_xlabel("segment")
+
+
+def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
+    """One row for each state: epsilon over time, and eta by segment. Raises SpecError as `trajectory_figure`."""
+    states = [name for name in result.states if not only or name in only]
+    if not states:
+        raise SpecError(Mistake("--only", "none of these names is a state", "give " + ", ".join(result.states[:30])))
+    check_panels(result, 2 * len(states))
+    with look():
+        figure, grid = Frame(top=1.0, bottom=0.55).figure([PANEL_HEIGHT] * len(states), 2, PANEL_WIDTH[2])
+        for row, state in enumerate(states):
+            pair = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
+            draw_error(pair, result, state)
+            if row < len(states) - 1:
+                _unlabel(pair[0])
+                _unlabel(pair[1])
+        finish(figure, result, "ε = dx/dt − f, η = integral of |ε| over a segment")
+    return figure
+
+
+def finish(figure: Figure, result: Result, *notes: str) -> None:
+    """The title: the problem, how the solve ended, objective and mesh; and notes, a line for each."""
+    mesh = result.meshes[-1]
+    status = "solved" if result.solved else f"NOT SOLVED: {result.message}"
+    letters = int(figure.get_figwidth() / (1.15 * LETTER))
+    lines = [
+        plain(f"{result.problem}: {status}", letters),
+        plain(f"objective {result.objective:.8g}, max η {mesh.max_eta:.2g}", letters),
+        plain(f"{mesh.method}, {len(mesh.edges) - 1} segments", letters),
+    ]
+    if len(lines[1]) + len(lines[2]) + 2 <= letters:
+        lines[1:] = ["; ".join(lines[1:])]
+    head(figure, [*lines, *notes], BLACK if result.solved else VERMILION)

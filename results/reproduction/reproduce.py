@@ -1,0 +1,219 @@
+"""The whole of the paper, and the pendulum of the introduction, solved, drawn and checked into one folder.
+
+index.html     all figures with their captions, and all checks
+figures/       the figures, each as .png and .pdf
+results/       the result file of every solve
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...problems.build import build_all
+from ...problems.catalog import find as find_problem
+from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.expressions.slips import nearest
+from ...problems.files import check_writable, replacing
+from ...problems.load import load
+from ...transcription.settings import settings_of, steps
+from ...transcription.solve import solve
+from ..file.read import read
+from ..file.summary import summarize
+from ..file.write import check_target, write
+from ..pictures.style import check_picture, look, save
+from . import page
+from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines
+from .figures.example import Example, Picture, Run, Solutions, Solved
+from .paper_values import EFFORTS, VALUES, Effort, Value
+
+EXAMPLES: dict[str, Example] = {
+    module.EXAMPLE.name: module.EXAMPLE
+    for module in (block, splines, refinement, cartpole, biped, min_work, points, pendulum)
+}
+FORMATS = (".png", ".pdf")
+FIGURES, RESULTS, INDEX = "figures", "results", "index.html"
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number against what it should be."""
+
+    example: str
+    value: Value
+    number: float
+
+    @property
+    def passed(self) -> bool:
+        return self.value.holds(self.number)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a solve took, beside what it took in the paper."""
+
+    paper: Effort
+    iterations: int
+    seconds: float
+
+    @property
+    def row(self) -> list[str]:
+        """As texts: what, the paper's iterations and seconds, and those measured here."""
+        paper = self.paper
+        return [paper.what, str(paper.iterations), f"{paper.seconds:g}", str(self.iterations), f"{self.seconds:.3f}"]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One example, done. unsolved: name of a run -> how it ended. table: rows of texts, the first one of headings."""
+
+    example: Example
+    captions: Mapping[str, str]
+    checks: tuple[Check, ...]
+    efforts: tuple[Measured, ...]
+    table: Sequence[Sequence[str]]
+    unsolved: Mapping[str, str]
+
+    @property
+    def passed(self) -> bool:
+        return not self.unsolved and all(check.passed for check in self.checks)
+
+
+def examples(names: Sequence[str]) -> list[Example]:
+    """The examples of these names, all of them if there are none. Raises SpecError for an unknown name."""
+    mistakes = []
+    for name in (name for name in names if name not in EXAMPLES):
+        close = nearest(name, EXAMPLES)
+        hint = f"did you mean {close}? " if close else ""
+        mistakes.append(Mistake(name, "there is no such example", f"{hint}the examples are {', '.join(EXAMPLES)}"))
+    if mistakes:
+        raise SpecError(mistakes)
+    return [EXAMPLES[name] for name in dict.fromkeys(names)] or list(EXAMPLES.values())
+
+
+def reproduce(
+    names: Sequence[str],
+    folder: Path,
+    *,
+    every: bool = False,
+    figures: bool = True,
+    command: str = "",
+    progress: Callable[[str], None] = lambda text: None,
+) -> list[Chapter]:
+    """Solve, draw and check examples, all of them if none is named; results, figures and page go to a folder.
+
+    every: also the solves that no figure shows, so that every number is checked. command: for the result files.
+    progress: called with a text before each piece of work. Raises SpecError for an unknown example, FileError if the
+    folder holds something else or a file cannot be written.
+    """
+    chosen = examples(names)
+    prepare(folder, chosen, figures)
+    chapters = []
+    for example in chosen:
+        solved, unsolved = _solve(example, folder / RESULTS, every, command, progress)
+        chapters.append(_chapter(example, solved, unsolved, every))
+        if figures and not unsolved:
+            _draw(example, solved, folder, progress)
+    _write_page(folder, page.html(chapters, figures))
+    return chapters
+
+
+def prepare(folder: Path, chosen: Sequence[Example], figures: bool) -> None:
+    """Make the folder, or make sure that it is one of ours and that nothing foreign in it would be replaced.
+
+    Raises FileError.
+    """
+    try:
+        foreign = folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not _is_ours(folder)))
+        if foreign:
+            what = "it exists and was not made by 'trajopt reproduce'"
+            raise FileError(Mistake(str(folder), what, "choose another folder with -o"))
+        for part in (RESULTS, FIGURES) if figures else (RESULTS,):
+            (folder / part).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        what = f"this folder cannot be made or read ({error.strerror})"
+        raise FileError(Mistake(str(folder), what, "choose another folder with -o")) from error
+    for picture in (picture for example in chosen for picture in example.pictures if figures):
+        for suffix in FORMATS:
+            check_picture(_picture_path(folder, picture, suffix), FORMATS)
+    _write_page(folder, page.html([], figures))
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether the page in a folder says that it was written here."""
+    index = folder / INDEX
+    return index.is_file() and page.MARK in index.read_text(encoding="utf-8", errors="replace")
+
+
+def _write_page(folder: Path, text: str) -> None:
+    check_writable(folder / INDEX)
+    with replacing(folder / INDEX) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+# -- solving --------------------------------------------------------------------------------------------------------
+
+
+def _solve(
+    example: Example, folder: Path, every: bool, command: str, progress: Callable[[str], None]
+) -> tuple[Solutions, dict[str, str]]:
+    """The results of the runs of an example, and how those ended that were not solved."""
+    solved, unsolved = {}, {}
+    for name, run in example.runs.items():
+        if run.shown or every:
+            progress(f"solving {name}")
+            solved[name] = _run(run, folder / f"{name}.h5", command)
+            if not solved[name].result.solved:
+                unsolved[name] = solved[name].result.message
+    return solved, unsolved
+
+
+def _run(run: Run, path: Path, command: str) -> Solved:
+    spec = load(find_problem(run.problem), run.overrides)
+    check_target(path, spec.name)
+    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
+    write(path, solution, spec.text, spec.model_dump_json(), command)
+    meshes = summarize(path)["meshes"]
+    seconds = tuple(sum(mesh["seconds"].values()) for mesh in meshes)
+    return Solved(read(path), tuple(mesh["iterations"] for mesh in meshes), seconds)
+
+
+# -- checking -------------------------------------------------------------------------------------------------------
+
+
+def _chapter(example: Example, solved: Solutions, unsolved: Mapping[str, str], every: bool) -> Chapter:
+    """The numbers of an example; without `every` only those of the runs that there are."""
+    numbers = {name: float(number) for name, number in example.measure(solved).items()}
+    checks = tuple(
+        Check(example.name, value, numbers[value.name])
+        for value in VALUES[example.name]
+        if every or value.name in numbers
+    )
+    efforts = tuple(_efforts(example, solved))
+    words = {name: run.effort for name, run in solved.items()}
+    captions = {picture.file: picture.caption.format_map(words) for picture in example.pictures}
+    return Chapter(example, captions, checks, efforts, example.table(solved) if every else (), unsolved)
+
+
+def _efforts(example: Example, solved: Solutions) -> Iterator[Measured]:
+    for paper in EFFORTS:
+        if paper.example == example.name:
+            run = solved[paper.run]
+            yield Measured(paper, run.iterations[paper.mesh], run.seconds[paper.mesh])
+
+
+# -- drawing --------------------------------------------------------------------------------------------------------
+
+
+def _draw(example: Example, solved: Solutions, folder: Path, progress: Callable[[str], None]) -> None:
+    for picture in example.pictures:
+        progress(f"drawing {picture.file}")
+        with look():
+            figure = picture.draw(solved)
+        for suffix in FORMATS:
+            save([figure], _picture_path(folder, picture, suffix), picture.title)
+
+
+def _picture_path(folder: Path, picture: Picture, suffix: str) -> Path:
+    return folder / FIGURES / f"{picture.file}{suffix}"

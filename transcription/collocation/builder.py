@@ -1,0 +1,310 @@
+"""What the builders of all methods share: the variables of a phase, its constraints, its integrals.
+
+A method says at which places the problem's functions are evaluated (`Place`) and adds the dynamics; path constraints,
+residuals, bounds of states that are no variables, and integrals follow from the places alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
+
+import numpy as np
+import pyomo.core as pyomo
+from pyomo.core import Any as AnyValue
+from pyomo.core import Constraint, Param, RangeSet, Set, Var
+
+from ...problems.problem import Phase, Range
+from ..program.templates import item
+from ..schemes.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Family:
+    """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
+
+    kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
+    state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
+    of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
+    component that holds several rows of each segment has a tuple of them. part: of the component.
+    """
+
+    component: Constraint
+    phase: str
+    kind: str
+    name: str
+    span: np.ndarray
+    weights: np.ndarray
+    group: int = 0
+    row: int | tuple[int, ...] = 0
+    part: slice = field(default_factory=lambda: slice(None))
+
+    def rows(self, nlp) -> np.ndarray:
+        """The numbers of its rows in a compiled program, shape (M,)."""
+        return nlp.rows(self.component)[self.part]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Points that one rule reaches.
+
+    over: the Set of the rule's index, or None for a single point. values: index -> the values at that point, by name.
+    weight: index -> its quadrature weight in time. points: (M,) the numbers of the points, and quadrature: (M,) their
+    weights for a phase of duration 1. computed: the states that are no variables there, with their ranges.
+    """
+
+    name: str
+    over: Any
+    values: Callable[[Any], dict]
+    weight: Callable[[Any], Any]
+    points: np.ndarray
+    quadrature: np.ndarray
+    computed: Mapping[str, Range]
+
+
+class _Values(dict):
+    """Names -> Pyomo items, made when they are asked for: a defect asks for few of them, at several points."""
+
+    def __init__(self, makers: Mapping[str, tuple[Any, str]], k, time: Callable[[Any], Any]):
+        super().__init__()
+        self.makers, self.k, self.time = makers, k, time
+
+    def __missing__(self, name: str):
+        if name == "t":
+            self[name] = self.time(self.k)
+        else:
+            component, key = self.makers[name]
+            self[name] = item(component, key, self.k)
+        return self[name]
+
+    def names(self) -> list[str]:
+        """All names but t."""
+        return [*self.makers, *(name for name in self if name != "t" and name not in self.makers)]
+
+
+class PhaseBuilder:
+    """Fills the block of one phase; the methods of a subclass are `stored`, `places`, `dynamics` and `end_values`."""
+
+    def __init__(self, block, p: Mapping[str, Any], phase: Phase, mesh: Mesh):
+        self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
+        self.last = len(mesh.fractions) - 1
+        self.families: list[Family] = []
+        self.owners: dict[int, np.ndarray] = {}
+        self.explicit_set: Any = None
+
+    def stored(self) -> tuple[list[str], np.ndarray]:
+        """The states that are variables, and the points at which they are."""
+        raise NotImplementedError
+
+    def places(self) -> list[Place]:
+        """Every collocation point, once."""
+        raise NotImplementedError
+
+    def dynamics(self) -> None:
+        """Add the defects."""
+        raise NotImplementedError
+
+    def end_values(self, last: bool) -> dict:
+        """The values at the first or at the last point."""
+        raise NotImplementedError
+
+    # -- variables and data ------------------------------------------------------------------------------------
+
+    def variables(self, guess) -> None:
+        block, phase, mesh = self.block, self.phase, self.mesh
+        for name, bounds, value in (
+            ("t0", phase.initial_time, guess.initial_time),
+            ("tF", phase.final_time, guess.final_time),
+        ):
+            block.add_component(name, Var())
+            bound(block.component(name), bounds, value)
+            block.component(name).fixed = bounds.fixed
+        block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
+        if _uses_time(phase):
+            self.data("fraction", block.point, mesh.fractions)
+        names, points = self.stored()
+        block.x = Var(names, self.points("stored", points))
+        collocated = self.points("collocated", mesh.collocated)
+        block.u = Var([control.name for control in phase.controls], collocated)
+        block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
+        curves = guess.samples(mesh.fractions)
+        for state in phase.states:
+            if state.name in names:
+                data = self._fill(block.x, state.name, points.tolist(), state.bounds, curves[state.name].tolist())
+                for k, ends in ((0, state.initial), (self.last, state.final)):
+                    if k in data:
+                        bound(data[k], ends, data[k].value)
+        for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
+            self._fill(component, name, mesh.collocated.tolist(), variable.bounds, curves[name].tolist())
+
+    def _fill(self, component: Var, name: str, points: list[int], bounds: Range, values: list[float]) -> dict:
+        """Give one state or input its bounds and initial values; returns the variables by point."""
+        lower, upper = _finite(bounds.lower), _finite(bounds.upper)
+        data = {k: component[name, k] for k in points}
+        for k, variable in data.items():
+            variable.set_value(values[k], skip_validation=True)
+            if lower is not None:
+                variable.setlb(lower)
+            if upper is not None:
+                variable.setub(upper)
+        return data
+
+    def points(self, name: str, points: np.ndarray) -> Any:
+        """The Set of some points; the one of all points, which Pyomo need not store, if they are all."""
+        if len(points) == self.last + 1:
+            return self.block.point
+        self.block.add_component(name, Set(initialize=points.tolist()))
+        return self.block.component(name)
+
+    def data(self, name: str, index, values: np.ndarray) -> Param:
+        """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
+        index = RangeSet(0, len(values) - 1) if index is None else index
+        table = dict(zip(index, values.tolist(), strict=True))
+        # Given a dict or no domain, Pyomo checks every index or value.
+        parameter = Param(index, within=AnyValue, initialize=lambda block, i: table[i])
+        self.block.add_component(name, parameter)
+        return parameter
+
+    @property
+    def inputs(self) -> list[tuple[Var, str]]:
+        """(component, name) of each row of u."""
+        controls = [(self.block.u, control.name) for control in self.phase.controls]
+        return controls + [(self.block.z, algebraic.name) for algebraic in self.phase.algebraic]
+
+    # -- the values at one point, by the names that the problem's functions use -----------------------------------
+
+    @property
+    def duration(self):
+        return self.block.tF - self.block.t0
+
+    def at(self, k, states: Iterable[str], inputs: bool = True) -> dict:
+        """p, t, the inputs if there are any, and the named states at point k."""
+        block = self.block
+        makers = {name: (block.x, name) for name in states}
+        makers |= {name: (component, name) for component, name in self.inputs if inputs}
+        values = _Values(makers, k, self._time)
+        values.update(self.p)
+        return values
+
+    def _time(self, k) -> Any:
+        return self.block.t0 + self.duration * item(self.block.fraction, k)
+
+    def _ends(self) -> dict:
+        """The values at both ends of the phase, by names such as "q1[final]"."""
+        values = dict(self.p)
+        for end, last in (("initial", False), ("final", True)):
+            at_end = self.end_values(last)
+            values |= {f"{name}[{end}]": at_end[name] for name in at_end.names() if name not in self.p}
+            values[f"t[{end}]"] = self.block.tF if last else self.block.t0
+        return values
+
+    # -- constraints and objective ---------------------------------------------------------------------------------
+
+    def constraints(self) -> None:
+        self.dynamics()
+        for i, residual in enumerate(self.phase.residuals):
+            self._everywhere(f"residual{i}", residual, "residual")
+        for i, constraint in enumerate(self.phase.path):
+            self._everywhere(f"path{i}", constraint, "path")
+        self._bounds_of_computed_states()
+        for i, constraint in enumerate(self.phase.boundary):
+
+            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
+                return _between(c.bounds, c.function(self._ends(), pyomo))
+
+            self.add(f"boundary{i}", None, rule, "boundary", constraint.name, (0.0, 1.0))
+        for i, constraint in enumerate(self.phase.integral):
+
+            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
+                return _between(c.bounds, self.integral(c.function))
+
+            self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
+
+    def add(self, component: str, over, rule, kind: str, name: str, span, **told) -> None:
+        """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
+        constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
+        self.block.add_component(component, constraint)
+        self.tell(constraint, kind, name, span, **told)
+
+    def tell(self, constraint: Constraint, kind: str, name: str, span, weights=1.0, **told) -> None:
+        """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
+        span = np.atleast_2d(np.transpose(span))
+        weights = np.broadcast_to(weights, len(span))
+        self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
+
+    def _everywhere(self, component: str, constraint, kind: str) -> None:
+        """A constraint at every collocation point (paper, 3.3 and 4.3)."""
+        for place in self.places():
+
+            def relation(k, place=place):
+                return _between(constraint.bounds, constraint.function(place.values(k), pyomo))
+
+            self._at_place(component, place, relation, kind, constraint.name)
+
+    def _bounds_of_computed_states(self) -> None:
+        for place in self.places():
+            for name, bounds in place.computed.items():
+                if bounds == Range():
+                    continue
+
+                def relation(k, place=place, name=name, bounds=bounds):
+                    return _between(bounds, place.values(k)[name])
+
+                self._at_place(f"bound_{name}", place, relation, "bound", name)
+
+    def _at_place(self, component: str, place: Place, relation, kind: str, name: str) -> None:
+        times = self.mesh.fractions[place.points]
+        rule = (lambda b: relation(None)) if place.over is None else (lambda b, k: relation(k))
+        self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), weights=place.quadrature)
+
+    def cost(self):
+        cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0
+        return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
+
+    def integral(self, w):
+        """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""
+        total = 0.0
+        for place in self.places():
+            if place.over is None:
+                total += place.weight(None) * w(place.values(None), pyomo)
+            else:
+                total += sum(place.weight(k) * w(place.values(k), pyomo) for k in place.over)
+        return total
+
+
+class _Probe(dict):
+    """Values of no meaning that remember which names are asked for."""
+
+    def __missing__(self, name: str) -> np.float64:
+        self[name] = np.float64(0.5)
+        return self[name]
+
+
+def _uses_time(phase: Phase) -> bool:
+    """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
+    probe = _Probe()
+    constraints = (*phase.residuals, *phase.path, *phase.integral)
+    functions = [state.rate for state in phase.states] + [c.function for c in constraints]
+    with np.errstate(all="ignore"):
+        for function in functions + [phase.lagrange] * (phase.lagrange is not None):
+            function(probe, np)
+    return "t" in probe
+
+
+def bound(variable, bounds: Range, value: float) -> None:
+    """Give a Pyomo variable its bounds and its initial value."""
+    variable.setlb(_finite(bounds.lower))
+    variable.setub(_finite(bounds.upper))
+    variable.set_value(value, skip_validation=True)
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None
+
+
+def _between(bounds: Range, body):
+    if bounds.fixed:
+        return body == bounds.lower
+    return (_finite(bounds.lower), body, _finite(bounds.upper))

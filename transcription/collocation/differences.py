@@ -1,0 +1,113 @@
+"""Second-order finite differences: only positions and controls are variables (introduction to direct collocation, 6).
+
+With K equally spaced points, dt = (tF - t0) / (K - 1) and a(t, x, dx/dt, u) the accelerations,
+
+    x_{k-1} - 2 x_k + x_{k+1} == dt^2 a_k,        0 < k < K - 1                       (41), (42)
+    x_0 - 2 x_1 + x_2 == dt^2 a_0,    and likewise at the other end                    as in the introduction's listing
+    dx/dt_k = (x_{k+1} - x_{k-1}) / (2 dt);    at the ends (-3 x_0 + 4 x_1 - x_2) / (2 dt) and its mirror image
+    integral of w = dt sum_k w_k over all points                                      as in the introduction's listing
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pyomo.core as pyomo
+from pyomo.core import RangeSet
+
+from ...problems.errors import Mistake
+from ...problems.problem import Phase, State
+from ..program.templates import item
+from ..schemes.mesh import Mesh
+from .builder import PhaseBuilder, Place
+
+
+def refused(phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+    """Why a phase or a mesh is none for finite differences."""
+    positions = {state.velocity_of for state in phase.states}
+    alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
+    if alone:
+        what = f"finite-difference needs second-order dynamics, and '{alone[0]}' has none"
+        yield Mistake("mesh", what, f"give '{alone[0]}' accel: instead of rate:, or take another method")
+    if mesh.segments < 2 or np.ptp(mesh.widths) > 1e-12:
+        what = "finite-difference needs two or more equal segments"
+        yield Mistake("mesh", what, "give segments: as a number, or take another method")
+
+
+class DifferenceBuilder(PhaseBuilder):
+    """Fills the block of one phase whose states are positions and their velocities, on equal segments."""
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        velocities = {state.velocity_of: state for state in self.phase.states if state.velocity_of}
+        self.pairs = [(s, velocities[s.name]) for s in self.phase.states if s.name in velocities]
+
+    @property
+    def dt(self):
+        return self.duration * (1.0 / self.last)
+
+    def stored(self) -> tuple[list[str], np.ndarray]:
+        return [position.name for position, _ in self.pairs], np.arange(self.last + 1)
+
+    def variables(self, guess) -> None:
+        super().variables(guess)
+        self.block.inner = RangeSet(1, self.last - 1)
+
+    def places(self) -> list[Place]:
+        def place(name, over, values, points, ranges):
+            quadrature = np.full(len(points), 1.0 / self.last)
+            return Place(name, over, values, lambda k: self.dt, points, quadrature, ranges)
+
+        v = [velocity for _, velocity in self.pairs]
+        inner = np.arange(1, self.last)
+        return [
+            place("", self.block.inner, self._inner_values, inner, {s.name: s.bounds for s in v}),
+            place("_initial", None, lambda k: self.end_values(False), np.array([0]), {s.name: s.initial for s in v}),
+            place("_final", None, lambda k: self.end_values(True), np.array([self.last]), {s.name: s.final for s in v}),
+        ]
+
+    def _positions(self, k) -> dict:
+        return self.at(k, [position.name for position, _ in self.pairs])
+
+    def _inner_values(self, k) -> dict:
+        x, values = self.block.x, self._positions(k)
+        for position, velocity in self.pairs:
+            values[velocity.name] = (item(x, position.name, k + 1) - item(x, position.name, k - 1)) / (2 * self.dt)
+        return values
+
+    def end_values(self, last: bool) -> dict:
+        end, step = (self.last, -1) if last else (0, 1)
+        values = self._positions(end)
+        for position, velocity in self.pairs:
+            a, b, c = (self.block.x[position.name, end + i * step] for i in range(3))
+            values[velocity.name] = step * (-3 * a + 4 * b - c) / (2 * self.dt)
+        return values
+
+    def dynamics(self) -> None:
+        for position, velocity in self.pairs:
+
+            def inner(block, k, position=position, velocity=velocity):
+                return self._defect(position, velocity, k, self._inner_values(k))
+
+            def first(block, *, position=position, velocity=velocity):
+                return self._defect(position, velocity, 1, self.end_values(False))
+
+            def final(block, *, position=position, velocity=velocity):
+                return self._defect(position, velocity, self.last - 1, self.end_values(True))
+
+            name, times = velocity.name, self.mesh.fractions[1:-1]
+            self.add(f"defect_{name}", self.block.inner, inner, "defect", name, (times, times))
+            self.add(f"defect_{name}_initial", None, first, "defect", name, (0.0, 0.0))
+            self.add(f"defect_{name}_final", None, final, "defect", name, (1.0, 1.0))
+
+    def _defect(self, position: State, velocity: State, k, values: dict):
+        x = self.block.x
+        before, here, after = (item(x, position.name, k + i) for i in (-1, 0, 1))
+        second = before - 2 * here + after
+        return second == self.dt**2 * velocity.rate(values, pyomo)  # (42)
+
+
+def velocities(x: np.ndarray, dt: float) -> np.ndarray:
+    """dx/dt at the points from positions x, shape (K,): central inside, three points at the ends."""
+    return np.gradient(x, dt, edge_order=2)

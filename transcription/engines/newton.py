@@ -1,0 +1,190 @@
+"""Newton's method on the KKT system: the solver of the introduction to direct collocation, sections 2 to 6.
+
+For   minimise F(z)  subject to  g(z) = c   the Lagrangian is L = F + y (g - c), and each step solves
+
+    [ H_L  J^T ] [ dz    ]     [ -grad F  ]
+    [ J    0   ] [ y_new ]  =  [ -(g - c) ]                     (36), with y = -lambda, the sign that IPOPT uses
+
+It knows equality constraints and fixed variables only, and it finds a stationary point, which may be a maximum or
+a saddle: small and exact where it applies, and an independent check of IPOPT.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from scipy.sparse import bmat, coo_matrix
+from scipy.sparse.linalg import splu
+
+from ...problems.errors import Mistake, SpecError
+from ..program.compiler import CompiledNLP
+from ..program.family import NotFinite
+from .ipopt import COLUMNS
+from .outcome import Outcome, Status
+
+DEFAULTS = {"tol": 1e-8, "max_iter": 100, "line_search": "no"}
+SHORTEST_STEP = 1e-8
+
+
+def solve(
+    nlp: CompiledNLP,
+    z: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    options: Mapping[str, object] | None = None,
+    start=None,
+    progress: Callable[[dict], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+    scaling=None,
+) -> Outcome:
+    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve`.
+
+    options: tol, max_iter, and line_search (yes or no: halve a step until the KKT residual shrinks).
+    Newton's steps do not depend on scaling, so none is applied.
+    Raises SpecError for another option, for an inequality constraint, and for a bound that does not fix its variable.
+    """
+    chosen = {**DEFAULTS, **(options or {})}
+    if mistakes := [*check_options(chosen), *_inequalities(nlp, lower, upper)]:
+        raise SpecError(mistakes)
+    return _Newton(nlp, z, lower, upper, chosen, start, progress, stop).run()
+
+
+def check_options(options: Mapping[str, object]) -> list[Mistake]:
+    """The options this engine does not take, as `ipopt.check_options` tells them."""
+    mistakes = []
+    for name, value in options.items():
+        if name not in DEFAULTS:
+            remedy = f"it takes {', '.join(DEFAULTS)}; or leave out 'engine: newton'"
+            mistakes.append(Mistake(f"solver.{name}", "the Newton engine has no such option", remedy))
+        elif name == "line_search" and value not in ("yes", "no"):
+            mistakes.append(Mistake(f"solver.{name}", f"line_search is {value!r}", "write yes or no"))
+        elif name != "line_search" and not (isinstance(value, int | float) and value > 0):
+            mistakes.append(Mistake(f"solver.{name}", f"{name} is {value!r}", "write a positive number"))
+    return mistakes
+
+
+def _inequalities(nlp: CompiledNLP, lower: np.ndarray, upper: np.ndarray) -> list[Mistake]:
+    remedy = "use IPOPT: leave out 'engine: newton'"
+    mistakes = []
+    if (nlp.cl != nlp.cu).any():
+        name, _ = nlp.row_name(int(np.argmax(nlp.cl != nlp.cu)))
+        what = f"the Newton engine takes equality constraints only, and {name} is an inequality"
+        mistakes.append(Mistake("solver.engine", what, remedy))
+    if ((lower != upper) & (np.isfinite(lower) | np.isfinite(upper))).any():
+        mistakes.append(Mistake("solver.engine", "the Newton engine takes no bounds on variables", remedy))
+    return mistakes
+
+
+class _Newton:
+    """One solve; `free` are the variables that no bound fixes."""
+
+    def __init__(self, nlp: CompiledNLP, z, lower, upper, options, start, progress, stop):
+        self.nlp, self.options, self.progress, self.stop = nlp, options, progress, stop
+        self.free = np.flatnonzero(lower != upper)
+        self.z = np.where(lower == upper, lower, z)
+        self.y = start.y if start else np.zeros(nlp.m)
+        self.record = {name: [] for name in COLUMNS}
+        self.failed = None
+
+    def run(self) -> Outcome:
+        try:
+            status = self._iterate()
+        except NotFinite as error:
+            status, self.failed = Status.INVALID_NUMBER, (self.z.copy(), error.names)
+        bounds = np.zeros(self.nlp.n)
+        return Outcome(
+            status=status,
+            z=self.z,
+            y=self.y,
+            z_lower=bounds,
+            z_upper=bounds.copy(),
+            objective=self.record["objective"][-1] if self.record["objective"] else np.nan,
+            iterations={name: np.array(values) for name, values in self.record.items()},
+            solver={"engine": "newton", **self.options, "scaling": json.dumps(None)},
+            failed=self.failed,
+        )
+
+    def _iterate(self) -> Status:
+        tolerance, before = self.options["tol"], np.inf
+        self._note(0, 0.0, 0.0)
+        for iteration in range(1, int(self.options["max_iter"]) + 1):
+            if self.stop and self.stop():
+                return Status.INTERRUPTED
+            step = self._step()
+            if step is None:
+                return Status.STEP_FAILED
+            dz, y_new = step
+            length = self._step_length(dz, y_new) if self.options["line_search"] == "yes" else 1.0
+            self.z[self.free] += length * dz
+            self.y += length * (y_new - self.y)
+            objective, infeasibility = self._note(iteration, np.abs(dz).max(initial=0.0), length)
+            small_step = np.abs(dz).max(initial=0.0) <= tolerance * (1 + np.abs(self.z).max())
+            if (
+                small_step
+                and infeasibility <= tolerance
+                and abs(objective - before) <= tolerance * (1 + abs(objective))
+            ):
+                return Status.SOLVED
+            before = objective
+        return Status.MAX_ITERATIONS
+
+    def _jacobian(self):
+        rows, cols = self.nlp.jacobianstructure()
+        shape = (self.nlp.m, self.nlp.n)
+        return coo_matrix((self.nlp.jacobian(self.z), (rows, cols)), shape).tocsc()[:, self.free]
+
+    def _hessian(self):
+        rows, cols = self.nlp.hessianstructure()
+        lower = coo_matrix((self.nlp.hessian(self.z, self.y, 1.0), (rows, cols)), (self.nlp.n, self.nlp.n)).tocsc()
+        full = lower + lower.T
+        full.setdiag(lower.diagonal())
+        return full[self.free][:, self.free]
+
+    def _step(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """(dz, y_new) from the KKT system (36), or None if its matrix is singular."""
+        J, H = self._jacobian(), self._hessian()
+        matrix = bmat([[H, J.T], [J, None]], format="csc")
+        right = np.concatenate([-self.nlp.gradient(self.z)[self.free], self.nlp.cl - self.nlp.constraints(self.z)])
+        try:
+            solution = splu(matrix).solve(right)  # (36)
+        except RuntimeError:  # SuperLU: the factor is exactly singular
+            return None
+        return np.split(solution, [len(self.free)]) if np.isfinite(solution).all() else None
+
+    def _step_length(self, dz: np.ndarray, y_new: np.ndarray) -> float:
+        """The first of 1, 1/2, 1/4, ... that shrinks the KKT residual; the last one tried if none does."""
+        z, y, length = self.z.copy(), self.y.copy(), 1.0
+        reference = self._residual()
+        try:
+            while length > SHORTEST_STEP:
+                self.z[self.free] = z[self.free] + length * dz
+                self.y = y + length * (y_new - y)
+                if self._residual() < reference:
+                    break
+                length /= 2
+        finally:
+            self.z, self.y = z, y
+        return length
+
+    def _residual(self) -> float:
+        """|| (grad L, g - c) ||; infinite where a function has no finite value."""
+        try:
+            gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian().T @ self.y
+            return float(np.linalg.norm(np.append(gradient, self.nlp.constraints(self.z) - self.nlp.cl)))
+        except NotFinite:
+            return np.inf
+
+    def _note(self, iteration: int, step: float, length: float) -> tuple[float, float]:
+        """Record an iteration; returns the objective and the largest constraint residual."""
+        objective = self.nlp.objective(self.z)
+        infeasibility = float(np.abs(self.nlp.constraints(self.z) - self.nlp.cl).max(initial=0.0))
+        gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian().T @ self.y
+        dual = float(np.abs(gradient).max(initial=0.0))
+        values = (0, iteration, objective, infeasibility, dual, 0.0, step, 0.0, length, length, 0)
+        for name, value in zip(COLUMNS, values, strict=True):
+            self.record[name].append(value)
+        if self.progress:
+            self.progress(dict(zip(COLUMNS, values, strict=True)))
+        return objective, infeasibility

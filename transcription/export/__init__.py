@@ -1,0 +1,1 @@
+"""A Pyomo model in; files for other solvers, or to read, out."""

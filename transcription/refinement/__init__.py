@@ -1,0 +1,1 @@
+"""A solution in; the next mesh out."""

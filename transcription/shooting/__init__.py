@@ -1,0 +1,1 @@
+"""A problem and a mesh in; simulated segments with exact derivatives out."""

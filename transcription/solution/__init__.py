@@ -1,0 +1,1 @@
+"""An Outcome in; functions of time, costates, error estimates and causes of failure out."""

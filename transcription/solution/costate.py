@@ -1,0 +1,100 @@
+"""Costates from the multipliers of the nonlinear program.
+
+Perturb the dynamics by a small e: dx/dt = f + e. The optimal objective changes by  integral of lambda e dt, which
+defines the costate lambda. In the nonlinear program e enters the defects of segment s through h R e, and its optimal
+value changes by -mu_s . h R e, where mu_s are the defects' multipliers. Since the integral is h sum_j b_j lambda_j e_j,
+
+    lambda(t_j) = -(R^T mu_s)_j / b_j        at the collocation nodes inside a segment.                          (1)
+
+At a knot lambda is the change of the optimal objective with the state there. With L_s all terms of the Lagrangian that
+belong to segment s (defects, path constraints, running cost),
+
+    lambda(t_k) = d L_s / d x_k for the segment that starts at t_k, -d L_s / d x_k for the one that ends there.  (2)
+
+(2) has the full order of the scheme, also at both ends of the trajectory and where an end is no collocation point. Both
+agree unless a bound on the state is active at the knot, where a costate may jump. Costates are those of the minimised
+objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense: d J / d x as
+written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..engines.outcome import Outcome
+from ..program.compiler import CompiledNLP
+from ..schemes.scheme import FiniteDifference
+from ..transcribe import Layout, Transcription
+from .trajectory import Trajectory
+
+
+def with_costates(
+    transcription: Transcription, nlp: CompiledNLP, outcome: Outcome, trajectories: Sequence[Trajectory]
+) -> tuple[Trajectory, ...]:
+    """The trajectories with lambda, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
+
+    Shooting has them from the same definition, by the adjoint of its simulation; finite differences have none.
+    """
+    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
+        return tuple(trajectories)
+    if transcription.model is None:
+        costates = nlp.costates(outcome)
+    else:
+        sense = transcription.problem.sense
+        costates = [sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
+    return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, costates, strict=True))
+
+
+def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:
+    mesh = layout.mesh
+    costate = np.full((len(layout.phase.states), len(mesh.slot_points)), np.nan)
+    for number, group in enumerate(mesh.groups):
+        mu = _defect_multipliers(layout, number, transcription, nlp, outcome)
+        scheme = group.scheme
+        inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < len(scheme.sigma) - 1]
+        slots = group.slots[:, [scheme.collocated[j] for j in inner]]
+        costate[:, slots] = -(mu @ scheme.R[:, inner]) / scheme.b[inner]  # (1)
+    start, end = _knot_gradients(layout, nlp, outcome)
+    costate[:, mesh.offset], costate[:, mesh.offset + mesh.degrees] = start, -end  # (2)
+    return costate
+
+
+def _defect_multipliers(layout: Layout, number: int, transcription, nlp, outcome) -> np.ndarray:
+    """mu of one group of segments, shape (n_x, G, d); 0 for the rows that define an eliminated state."""
+    group, names = layout.mesh.groups[number], [state.name for state in layout.phase.states]
+    mu = np.zeros((len(names), len(group.segments), len(group.scheme.L)))
+    for family in transcription.families:
+        if (family.kind, family.phase, family.group) == ("defect", layout.phase.name, number):
+            y = outcome.y[family.rows(nlp)]
+            rows = [family.row] if isinstance(family.row, int) else list(family.row)
+            mu[names.index(family.name)][:, rows] = y.reshape(len(group.segments), len(rows))
+    return mu
+
+
+def _knot_gradients(layout: Layout, nlp: CompiledNLP, outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
+    """d L_s / d x at the first and at the last node of every segment, two arrays (n_x, N)."""
+    mesh = layout.mesh
+    start, end = np.zeros((2, len(layout.x), mesh.segments))
+    # At a knot, the terms of a point belong to either segment by their parts of its quadrature weight.
+    parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
+    left, right = parts[mesh.offset], parts[mesh.offset + mesh.degrees]
+    for over, index, columns, terms in nlp.lagrangian_terms(outcome.z, outcome.y):
+        if (owners := layout.owners.get(id(over))) is not None:
+            for i, x in enumerate(layout.x):
+                start[i] += _per_segment(columns == x[mesh.knots[owners], None], terms, owners, mesh.segments)
+                end[i] += _per_segment(columns == x[mesh.knots[owners + 1], None], terms, owners, mesh.segments)
+        elif id(over) == layout.explicit:
+            for i, x in enumerate(layout.x):
+                at_point = np.zeros(layout.x.shape[1])
+                at_point[index] = np.where(columns == x[index, None], terms, 0.0).sum(axis=1)
+                start[i] += left * at_point[mesh.knots[:-1]]
+                end[i] += right * at_point[mesh.knots[1:]]
+    return start, end
+
+
+def _per_segment(mask: np.ndarray, terms: np.ndarray, owners: np.ndarray, segments: int) -> np.ndarray:
+    """The sum of the masked terms of each segment, shape (N,)."""
+    return np.bincount(owners, weights=np.where(mask, terms, 0.0).sum(axis=1), minlength=segments)

@@ -1,0 +1,218 @@
+"""A solved phase as functions of time, by the interpolants of the scheme that solved it (paper, 3.4 and 4.4).
+
+On a segment that starts at t_k and lasts h, with tau = (t - t_k) / h and l_j the Lagrange polynomials of the
+scheme's collocation nodes:
+
+    u(t) = sum_j u_j l_j(tau)                                 (3.6), (4.10)
+    x(t) = x_k + h sum_j f_j (integral of l_j to tau)         (3.10), (4.13) as corrected
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...problems.problem import Phase
+from ..collocation.differences import velocities
+from ..schemes.mesh import Mesh
+from ..schemes.runge_kutta import Shooting, simulate
+from ..schemes.scheme import FiniteDifference
+from ..transcribe import Layout, Transcription
+
+DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
+DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
+
+
+class Sample(NamedTuple):
+    """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); inputs u (n_u, ...)."""
+
+    t: np.ndarray
+    x: np.ndarray
+    u: np.ndarray
+    dx: np.ndarray
+    costate: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One phase of a solution.
+
+    t: (2,) initial and final time. x: (n_x, K) and inputs u: (n_u, K) at the points of the mesh; u is NaN at a point
+    that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, K + N - 1) at the
+    slots of the mesh (see `costate`), or None.
+    """
+
+    phase: Phase
+    mesh: Mesh
+    t: np.ndarray
+    x: np.ndarray
+    u: np.ndarray
+    parameters: Mapping[str, float]
+    costate: np.ndarray | None = None
+
+    @property
+    def initial_time(self) -> float:
+        return float(self.t[0])
+
+    @property
+    def final_time(self) -> float:
+        return float(self.t[1])
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The times of the points, shape (K,)."""
+        return self.t[0] + (self.t[1] - self.t[0]) * self.mesh.fractions
+
+    @cached_property
+    def knots(self) -> np.ndarray:
+        """The times of the segment edges, shape (N + 1,)."""
+        return self.t[0] + (self.t[1] - self.t[0]) * self.mesh.edges
+
+    @cached_property
+    def h(self) -> np.ndarray:
+        """The durations of the segments, shape (N,)."""
+        return (self.t[1] - self.t[0]) * self.mesh.widths
+
+    @cached_property
+    def f(self) -> np.ndarray:
+        """The dynamics at the points, shape (n_x, K)."""
+        return self.phase.dynamics(self.times, self.x, self.u, self.parameters)
+
+    def grid(self, segments: np.ndarray, tau: np.ndarray) -> Sample:
+        """The trajectory at the same normalised times tau, shape (M,), of segments, shape (G,): shapes (..., G, M)."""
+        return self._sample(segments, tau, common=True)
+
+    def inputs(self, tau: np.ndarray) -> np.ndarray:
+        """The inputs at the same normalised times tau, shape (M,), of all segments: shape (n_u, N, M)."""
+        u = np.empty((len(self.u), self.mesh.segments, len(tau)))
+        for group in self.mesh.groups:
+            u[:, group.segments] = self.u[:, group.collocated] @ group.scheme.interpolant(tau).U.T
+        return u
+
+    def at(self, s: np.ndarray) -> Sample:
+        """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
+        edges = self.mesh.edges
+        segment = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, self.mesh.segments - 1)
+        return self._sample(segment, (s - edges[segment]) / self.mesh.widths[segment], common=False)
+
+    @np.errstate(all="ignore")  # the last iterate of a failed solve need not be finite
+    def _sample(self, segments: np.ndarray, tau: np.ndarray, common: bool) -> Sample:
+        """tau is common to all segments, shape (M,), or each segment has one, shape (G,)."""
+
+        def combine(nodal, basis):
+            return nodal @ basis.T if common else (nodal * basis).sum(axis=-1)
+
+        lift = (slice(None), None) if common else slice(None)
+        t = self.knots[segments][lift] + self.h[segments][lift] * tau
+        x, dx = np.empty((2, len(self.x), *t.shape))
+        u = np.empty((len(self.u), *t.shape))
+        costate = None if self.costate is None else np.empty_like(x)
+        groups = self.mesh.group_of[segments]
+        for number, group in enumerate(self.mesh.groups):
+            here = np.flatnonzero(groups == number)
+            if not len(here):
+                continue
+            row, h, own = np.searchsorted(group.segments, segments[here]), self.h[segments[here]], tau
+            if not common:
+                own = tau[here]
+            X, F, dX, dF, U = group.scheme.interpolant(own)
+            nodes, f = self.x[:, group.nodes[row]], self.f[:, group.collocated[row]]
+            x[:, here] = combine(nodes, X) + h[lift] * combine(f, F)
+            dx[:, here] = combine(nodes, dX) / h[lift] + combine(f, dF)
+            u[:, here] = combine(self.u[:, group.collocated[row]], U)
+            if costate is not None:
+                costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
+        return Sample(t, x, u, dx, costate)
+
+    @property
+    def point_costate(self) -> np.ndarray:
+        """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
+        points = self.mesh.slot_points
+        sides = np.bincount(points)
+        return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
+
+    def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
+        """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""
+        sample = self.at(s)
+        names = [variable.name for variable in (*self.phase.states, *self.phase.inputs)]
+        return dict(zip(names, (*sample.x, *sample.u), strict=True))
+
+    @cached_property
+    def dense(self) -> Sample:
+        """The trajectory on a fine grid, shapes (M,): equally spaced times on each segment, and the final one."""
+        segments = self.mesh.segments
+        degree = int(self.mesh.degrees.max())
+        count = int(np.clip(DENSE_POINTS // segments, 2 * degree, max(DENSE_PER_SEGMENT, 10 * degree)))
+        inside = self.grid(np.arange(segments), np.arange(count) / count)
+        end = self.grid(np.array([segments - 1]), np.ones(1))
+
+        def join(a, b):
+            if a is None:
+                return None
+            return np.concatenate([a.reshape(*a.shape[:-2], a.shape[-2] * a.shape[-1]), b[..., 0]], axis=-1)
+
+        return Sample(*map(join, inside, end))
+
+    def by_segment(self, values: np.ndarray) -> np.ndarray:
+        """Values on the dense grid, shape (M,), as those of each segment, shape (N, M // N); without the final one."""
+        return values[:-1].reshape(self.mesh.segments, -1)
+
+
+def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajectory, ...]:
+    """Read the unknowns z, shape (n,), back into one trajectory for each phase."""
+    names = [p.name for p in transcription.problem.parameters]
+    parameters = dict(zip(names, z[transcription.parameters].tolist(), strict=True))
+    return tuple(_trajectory(layout, transcription, z, parameters) for layout in transcription.phases)
+
+
+def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, parameters: dict) -> Trajectory:
+    phase, mesh = layout.phase, layout.mesh
+    t = np.array(
+        [
+            z[i] if i >= 0 else bounds.lower
+            for i, bounds in zip(layout.t, (phase.initial_time, phase.final_time), strict=True)
+        ]
+    )
+    x = np.where(layout.x >= 0, z[layout.x], np.nan)
+    u = np.where(layout.u >= 0, z[layout.u], np.nan)
+    trajectory = Trajectory(phase, mesh, t, x, u, parameters)
+    if isinstance(mesh.schemes[0], FiniteDifference):
+        names = [state.name for state in phase.states]
+        for i, state in enumerate(phase.states):
+            if state.velocity_of:
+                x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
+        return trajectory
+    if isinstance(mesh.schemes[0], Shooting):
+        simulate(trajectory)
+    _fill_eliminated(trajectory)
+    _extrapolate_inputs(trajectory)
+    return trajectory
+
+
+def _fill_eliminated(trajectory: Trajectory) -> None:
+    """Write the states that are no variables into trajectory.x."""
+    phase, x = trajectory.phase, trajectory.x
+    for group in trajectory.mesh.groups:
+        for node, row in group.scheme.eliminated:
+            f = phase.dynamics(trajectory.times, x, trajectory.u, trajectory.parameters)
+            at_nodes, rates = [x[:, k] for k in group.nodes.T], [f[:, k] for k in group.collocated.T]
+            h = trajectory.h[group.segments]
+            x[:, group.nodes[:, node]] = group.scheme.eliminate(node, row, at_nodes, rates, h)
+
+
+def _extrapolate_inputs(trajectory: Trajectory) -> None:
+    """Write the inputs at points that are no collocation points into trajectory.u, by the interpolant of the segment.
+
+    A knot takes the value of the segment that starts there, the last one that of the segment that ends there.
+    """
+    mesh, u = trajectory.mesh, trajectory.u
+    missing = np.setdiff1d(np.arange(len(mesh.fractions)), mesh.collocated)
+    for k in missing:
+        segment = min(int(np.searchsorted(mesh.knots, k, side="right")) - 1, mesh.segments - 1)
+        scheme = mesh.schemes[segment]
+        tau = scheme.sigma[k - mesh.first[segment]]
+        u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.interpolant(np.array([tau])).U[0]
