@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 from .errors import FileError, Mistake
-from .expressions.slips import nearest
 from .files import check_writable, replacing
+from .text import did_you_mean
 
 _FOLDER = Path(__file__).parent
 TEMPLATE = "template"
@@ -32,9 +32,7 @@ def find(name: str) -> Path:
         return known[path.name.removesuffix(".yaml")]
     if path.parent != Path():
         raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
-    close = nearest(path.name.removesuffix(".yaml"), known)
-    hint = f"did you mean {close}? " if close else ""
-    remedy = f"{hint}shipped problems are {', '.join(known)}"
+    remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always=f"shipped problems are {', '.join(known)}")
     raise FileError(Mistake(name, "there is no such file and no shipped problem of that name", remedy))
 
 

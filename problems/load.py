@@ -11,12 +11,11 @@ from pydantic import ValidationError
 from .checks.repair import repair
 from .checks.values import NO_STATES, check
 from .errors import FileError, Mistake, SpecError
-from .expressions.slips import nearest
 from .schema import messages
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .schema.spec import Spec
+from .text import brief, nearest
 from .yaml import document as yamltext
-from .yaml.document import brief
 from .yaml.locations import Finding, Places
 from .yaml.overrides import override
 

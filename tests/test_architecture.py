@@ -1,23 +1,37 @@
-"""Imports point one way: cli -> results -> transcription -> problems."""
+"""The rooms: imports point one way, cli -> results -> transcription -> problems, and nowhere in a circle."""
 
 import ast
 import re
+import tomllib
+from collections import defaultdict
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = ("problems", "transcription", "results", "cli")
+MAX_FILES = 12
 FORBIDDEN = {
     *("print", "input", "exit", "quit", "SystemExit"),
     *("sys.exit", "sys.stdout", "sys.stderr", "sys.__stdout__", "sys.__stderr__"),
     *("os._exit", "os.abort", "os.kill", "os.write"),
 }
 FILES = [path for layer in LAYERS for path in sorted((ROOT / layer).rglob("*.py"))]
+ROOMS = sorted({path.parent for path in FILES})
 
 
-def imported_layers(path: Path) -> set[str]:
-    """The layers that a file imports, at its top or inside functions."""
+def module_of(path: Path) -> str:
+    """The name of a file's module: "problems.yaml.document", a package by its own name."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_of(path) for path in FILES}
+
+
+def imported_modules(path: Path) -> set[str]:
+    """The modules of trajopt that a file imports: at its top, inside functions, or for the type checker only."""
     package = path.relative_to(ROOT).parent.parts
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -25,25 +39,75 @@ def imported_layers(path: Path) -> set[str]:
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = ["trajopt", *package][: len(package) + 2 - node.level] if node.level else []
-            names = [".".join([*base, *filter(None, [node.module])])]
-            names += [f"{names[0]}.{alias.name}" for alias in node.names]
+            module = ".".join([*base, *filter(None, [node.module])])
+            inner = [f"{module}.{alias.name}" for alias in node.names]
+            names = [name if name.removeprefix("trajopt.") in MODULES else module for name in inner]
         else:
             continue
-        parts = [name.split(".") for name in names]
-        found |= {p[1] for p in parts if p[0] == "trajopt" and len(p) > 1 and p[1] in LAYERS}
+        found |= {name.removeprefix("trajopt.") for name in names if name.startswith("trajopt.")}
     return found
+
+
+def room_of(module: str) -> str:
+    """The room of a module, or the module itself if it is a door: a file at the top of one of the four packages."""
+    parts = module.split(".")
+    return module if module in MODULES and len(parts) == 2 and not (ROOT / Path(*parts)).is_dir() else ".".join(parts[:2])
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """One circle of a graph, or nothing."""
+    try:
+        list(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        return error.args[1]
+    return []
+
+
+IMPORTS = {module_of(path): imported_modules(path) for path in FILES}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_no_import_points_up(path):
     own = LAYERS.index(path.relative_to(ROOT).parts[0])
-    above = {layer for layer in imported_layers(path) if LAYERS.index(layer) > own}
+    above = {module for module in imported_modules(path) if LAYERS.index(module.split(".")[0]) > own}
     assert not above
 
 
-def test_the_check_sees_relative_and_absolute_imports():
-    assert imported_layers(ROOT / "cli" / "common.py") >= {"problems", "transcription"}
-    assert imported_layers(ROOT / "transcription" / "collocation.py") >= {"problems", "transcription"}
+def test_no_circle_between_files():
+    assert not circle(IMPORTS)
+
+
+def test_no_circle_between_rooms():
+    """A door is a room of its own: it opens onto the rooms behind it, and they may stand on other doors."""
+    graph = defaultdict(set)
+    for module, imported in IMPORTS.items():
+        graph[room_of(module)] |= {room_of(other) for other in imported} - {room_of(module)}
+    assert not circle(graph)
+
+
+def test_the_check_sees_every_way_to_import(tmp_path):
+    assert imported_modules(ROOT / "cli" / "main.py") >= {"cli.app"}  # inside a function
+    assert imported_modules(ROOT / "transcription" / "collocation" / "segments.py") >= {
+        "problems.problem",  # from ...problems.problem import
+        "transcription.collocation.builder",  # from .builder import
+    }
+    assert imported_modules(ROOT / "results" / "reproduction" / "reproduce.py") >= {
+        "results.reproduction.figures.biped",  # from .figures import biped
+        "results.reproduction.page",  # from . import page
+    }
+    assert circle({"a": {"b"}, "b": {"c"}, "c": {"a"}}) and not circle({"a": {"b", "c"}, "b": {"c"}})
+
+
+@pytest.mark.parametrize("room", ROOMS, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_room_is_small_and_says_what_it_holds(room):
+    """At most twelve files, and one line that tells what they are for."""
+    assert len([path for path in room.glob("*.py") if path.name != "__init__.py"]) <= MAX_FILES
+    assert ast.get_docstring(ast.parse((room / "__init__.py").read_text()))
+
+
+def test_every_room_is_installed():
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    assert listed == ["trajopt." + ".".join(room.relative_to(ROOT).parts) for room in sorted(ROOMS)]
 
 
 def prints_or_exits(source: str) -> set[str]:
@@ -80,9 +144,12 @@ def test_the_check_lets_other_names_pass():
 
 @pytest.mark.parametrize("layer", LAYERS)
 def test_every_module_is_named_in_the_design_notes(layer):
-    """In backquotes, in the list of its package; the modules of an inner package go by its name."""
+    """Each room has a line in the drawing of its package, which names its modules."""
     notes = (ROOT / "docs" / "design.md").read_text()
-    of_layer = re.search(rf"^- \*\*{layer}\*\*(.*?)\n(?=\S)", notes, re.DOTALL | re.MULTILINE)[1]
-    inner = {path.parent.name for path in (ROOT / layer).glob("*/__init__.py")}
-    modules = {path.stem for path in (ROOT / layer).glob("*.py")} - {"__init__"} | inner
-    assert set(re.findall(r"`(\w+)`", of_layer)) == modules
+    drawn = re.search(rf"^    {layer}/\n((?:        .*\n)+)", notes, re.MULTILINE)[1]
+    rooms = {line.split()[0].rstrip("/"): set(line.split(":", 1)[1].split()) for line in drawn.splitlines()}
+    found = defaultdict(set)
+    for path in (ROOT / layer).rglob("*.py"):
+        if path.name != "__init__.py":
+            found["/".join(path.relative_to(ROOT / layer).parent.parts) or "doors"].add(path.stem)
+    assert rooms == found

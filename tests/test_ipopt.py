@@ -12,10 +12,11 @@ from trajopt.problems.load import load, load_text
 from trajopt.transcription.engines import ipopt
 from trajopt.transcription.engines.ipopt import COLUMNS, Start, check_options
 from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
-from trajopt.transcription.transcribe import bounded_start, transcribe
+from trajopt.transcription.transcribe import transcribe
 
 STEP = Step("hermite-simpson", 10, 1e-8)
 

@@ -10,11 +10,12 @@ from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.results.file.write import write
+from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solve import solve
-from trajopt.transcription.transcribe import bounded_start, transcribe
+from trajopt.transcription.transcribe import transcribe
 
 BAD_UNITS = """
 trajopt: 1

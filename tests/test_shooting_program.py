@@ -7,11 +7,12 @@ from exact import growth, integration
 from named import problem_named
 
 from trajopt.problems.problem import Constraint, Problem, Range
+from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.program.family import NotFinite
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Step
-from trajopt.transcription.transcribe import bounded_start, compiled, transcribe
+from trajopt.transcription.transcribe import compiled, transcribe
 
 
 def two_phases() -> Problem:

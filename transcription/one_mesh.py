@@ -13,6 +13,7 @@ import numpy as np
 
 from ..problems.problem import Problem
 from .engines.outcome import Outcome, Status
+from .layout import bounded_start
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -21,7 +22,7 @@ from .solution.diagnose import diagnose
 from .solution.error import ErrorProfile, error_profile
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
-from .transcribe import bounded_start, compiled, transcribe
+from .transcribe import compiled, transcribe
 from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problems.problem import Range, Variable
+from .layout import Transcription
 from .program.compiler import CompiledNLP
 from .program.family import NotFinite
-from .transcribe import Transcription
 
 SIZES = (1e-4, 1e4)
 LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient

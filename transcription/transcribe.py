@@ -9,54 +9,25 @@ that IPOPT factorises is banded with a narrow border.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
 
 import numpy as np
 from pyomo.core import Block, ConcreteModel, Objective, Var
 
 from ..problems.errors import Mistake, SpecError
-from ..problems.problem import Phase, Problem
-from .collocation.builder import Family, bound
+from ..problems.problem import Problem
+from .collocation.builder import bound
 from .collocation.differences import DifferenceBuilder
 from .collocation.differences import refused as not_for_differences
 from .collocation.segments import CollocationBuilder
+from .layout import Layout, Transcription
 from .program.templates import templated
 from .schemes.mesh import Mesh
 from .schemes.runge_kutta import Shooting
 from .schemes.scheme import FiniteDifference
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown.
-
-    owners: id of a Set of the model whose elements belong to segments each -> the segment of each element.
-    explicit: id of the Set of the points at which states are variables and the dynamics are collocated, or of None.
-    """
-
-    phase: Phase
-    mesh: Mesh
-    x: np.ndarray
-    u: np.ndarray
-    t: np.ndarray
-    owners: Mapping[int, np.ndarray]
-    explicit: int
-
-
-@dataclass(frozen=True)
-class Transcription:
-    """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""
-
-    problem: Problem
-    model: ConcreteModel | None
-    variables: tuple
-    phases: tuple[Layout, ...]
-    parameters: np.ndarray
-    families: tuple[Family, ...]
 
 
 def transcribe(problem: Problem, meshes: Sequence[Mesh], guess=None, templates: bool = True) -> Transcription:
@@ -107,13 +78,6 @@ def compiled(transcription: Transcription):
     from .program.compiler import CompiledNLP
 
     return CompiledNLP(transcription.model, transcription.variables)
-
-
-def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The initial values of the unknowns and their bounds, each shape (n,); infinite where there is no bound."""
-    table = [(v.value, *v.bounds) for v in transcription.variables]
-    z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
-    return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
 
 
 def _builder(mesh: Mesh) -> type:

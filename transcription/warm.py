@@ -16,15 +16,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .collocation.builder import Family
 from .engines.ipopt import Start
 from .engines.outcome import Outcome
+from .layout import Family, Layout, Transcription
 from .program.compiler import CompiledNLP
 from .schemes.mesh import Group
 from .schemes.runge_kutta import Shooting
 from .schemes.scheme import Scheme
 from .solution.trajectory import Trajectory
-from .transcribe import Layout, Transcription
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ...problems.expressions.slips import shorten
+from ...problems.text import shorten
 from .printing import dumb_terminal, one_line
 
 NAME_WIDTH = 20

@@ -16,7 +16,7 @@ from ..output.printing import one_line, plural, print_json, print_table, print_t
 from ..output.progress import live_text
 
 if TYPE_CHECKING:
-    from ...results.reproduction.reproduce import Chapter
+    from ...results.reproduction.chapter import Chapter
 
 NAMES = "Examples: block, splines, refinement, cartpole, biped, min_work, points, pendulum. Without any, all of them."
 

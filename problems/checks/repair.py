@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..expressions.slips import nearest
 from ..names.symbols import UNKNOWN
 from ..schema.spec import Spec
+from ..text import nearest
 from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 

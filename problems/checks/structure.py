@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..expressions.slips import nearest
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
 from ..models import find
@@ -14,7 +13,8 @@ from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, refused
 from ..schema.spec import Spec
-from ..yaml.document import Path, brief
+from ..text import brief, did_you_mean
+from ..yaml.document import Path
 from ..yaml.locations import Finding
 
 _SHOWN = 5
@@ -64,8 +64,7 @@ def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     known += [variable.name for variable in (*slack.controls, *slack.parameters)] if slack else []
     for name in spec.scaling:
         if name not in known:
-            close = nearest(name, known)
-            remedy = f"did you mean {close}?" if close else f"those that have one are {_listed(known)}"
+            remedy = did_you_mean(name, known, f"those that have one are {_listed(known)}")
             what = f"{brief(name)} is no state, control or other unknown, so it has no size"
             yield Finding(("scaling", name), what, remedy)
 
@@ -161,10 +160,9 @@ def _model(spec: Spec, model: Model) -> Iterator[Finding]:
     for group in ("states", "controls", "algebraic"):
         known = getattr(model, group)
         for name in (name for name in getattr(spec, group) if name not in known):
-            close = nearest(name, known)
             others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
             what = f"the model {model.name} has no {brief(name)} among its {group}"
-            yield Finding((group, name), what, f"did you mean {close}?" if close else others)
+            yield Finding((group, name), what, did_you_mean(name, known, others))
     for name, state in spec.states.items():
         for key in ("rate", "accel", "velocity"):
             if getattr(state, key) is not None:

@@ -8,7 +8,7 @@ from math import inf, isfinite
 from typing import Any
 
 from ..expressions.expression import Expression
-from ..expressions.slips import MAX_NAME, RESERVED, nearest
+from ..expressions.slips import MAX_NAME, RESERVED
 from ..expressions.tree import leaves
 from ..models import find
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
@@ -16,7 +16,8 @@ from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
 from ..schema.spec import Spec
-from ..yaml.document import Path, brief
+from ..text import brief, did_you_mean
+from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 
@@ -226,8 +227,7 @@ class _Checker:
         keyframes, constants = self.spec.guess.keyframes, self.spec.guess.constants
         for path in [*(("constants", n) for n in constants), *(("keyframes", n) for n in keyframes)]:
             if path[1] not in known and path != ("keyframes", "time"):
-                close = nearest(path[1], known)
-                remedy = f"did you mean {close}?" if close else "name a state, a control or an algebraic variable"
+                remedy = did_you_mean(path[1], known, "name a state, a control or an algebraic variable")
                 what = f"{brief(path[1])} is not a state or a control, nor an algebraic variable"
                 self.error(("guess", *path), what, remedy)
             elif path[0] == "constants" and path[1] in keyframes:

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .slips import FUNCTIONS, MAX_EXPONENT, ExpressionError, shorten, tidy
+from ..text import shorten, tidy
+from .slips import FUNCTIONS, MAX_EXPONENT, ExpressionError
 from .smooth import EXACT, STAND_INS
 from .tree import External, Name, Node, Number, Operation, leaves, read
 

@@ -6,10 +6,11 @@ parenthesis) gets a message of its own, which Python's "invalid syntax" could no
 
 from __future__ import annotations
 
-import difflib
 import keyword
 import re
 from typing import NamedTuple
+
+from ..text import did_you_mean, excerpt, nearest, shorten
 
 FUNCTIONS = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
 ENDS = ("initial", "final")
@@ -93,33 +94,6 @@ class Token(NamedTuple):
     text: str
     start: int
     stop: int
-
-
-def tidy(text: str) -> str:
-    """The text on one line with single spaces (folded YAML scalars carry line breaks)."""
-    return " ".join(text.split())
-
-
-def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
-    """The offending piece in quotes, inside enough of the expression to find it."""
-    piece = f'"{shorten(text[start:stop].strip())}"'
-    if text[start:stop].strip() == text:
-        return piece
-    left, right = max(0, start - margin), min(len(text), stop + margin)
-    around = ("..." if left else "") + text[left:right].strip() + ("..." if right < len(text) else "")
-    return f'{piece} in "{shorten(around, 120)}"'
-
-
-def shorten(text: str, limit: int = 80) -> str:
-    """The text with its middle left out where it is longer than `limit` characters."""
-    return text if len(text) <= limit else f"{text[: limit // 2 - 2]} ... {text[-limit // 2 + 3 :]}"
-
-
-def nearest(word: str, known) -> str | None:
-    """The known word most like this one, or None if none is like it."""
-    known = {str(k).lower(): str(k) for k in known}
-    found = difflib.get_close_matches(str(word).lower(), known, n=1, cutoff=0.6)
-    return known[found[0]] if found else None
 
 
 def check(text: str) -> None:
@@ -278,8 +252,8 @@ def _check_call(text: str, name: Token, bracket: Token) -> None:
     if name.text in _ALIASES:
         remedy = f"write {_ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
-    if close := nearest(name.text, CALLABLE):
-        _fail(text, name, last, f"there is no function {name.text}", f"did you mean {close}?")
+    if nearest(name.text, CALLABLE):
+        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, CALLABLE))
     what = f"{name.text} is not a function"
     _fail(text, name, last, what, f"write {name.text}*(...) for a product; the functions are {' '.join(FUNCTIONS)}")
 

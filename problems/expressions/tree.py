@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from .slips import CALLABLE, ENDS, FUNCTIONS, MAX_ARGUMENTS, MAX_DEPTH, RATE, ExpressionError, check, excerpt
+from ..text import excerpt
+from .slips import CALLABLE, ENDS, FUNCTIONS, MAX_ARGUMENTS, MAX_DEPTH, RATE, ExpressionError, check
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 
 from ..errors import Mistake, SpecError
-from ..expressions.slips import nearest
+from ..text import did_you_mean
 from .model import Model
 
 MODELS = {"five_link_biped": "five_link_biped"}
@@ -15,7 +15,6 @@ MODELS = {"five_link_biped": "five_link_biped"}
 def find(name: str) -> Model:
     """The shipped model of that name. Raises SpecError, with the name most like it, if there is none."""
     if name not in MODELS:
-        close = nearest(name, MODELS)
-        hint = f"did you mean {close}? " if close else ""
-        raise SpecError(Mistake("model", f'there is no model "{name}"', f"{hint}the models are {', '.join(MODELS)}"))
+        remedy = did_you_mean(name, MODELS, always=f"the models are {', '.join(MODELS)}")
+        raise SpecError(Mistake("model", f'there is no model "{name}"', remedy))
     return import_module(f".{MODELS[name]}", __package__).MODEL

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..expressions.expression import Expression, Fault, untangle
-from ..expressions.slips import nearest, shorten
 from ..expressions.tree import External, Name, Node, count, leaves
 from ..models import find
 from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.spec import Spec
+from ..text import nearest, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import variables as dynamics

@@ -15,13 +15,14 @@ from dataclasses import dataclass, field, replace
 from itertools import count as numbers_from
 
 from ..expressions.expression import Expression
-from ..expressions.slips import INCONSISTENT, excerpt
+from ..expressions.slips import INCONSISTENT
 from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Name, Node, Number, Operation, Step, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
 from ..names.symbols import Symbols
 from ..problem import Constraint, Range, Variable
 from ..schema.spec import Spec
+from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .signs import EITHER, NEGATIVE, POSITIVE, Monotone, Signs, negative, product

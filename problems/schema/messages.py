@@ -7,8 +7,8 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from ..expressions.slips import nearest
-from ..yaml.document import Path, brief, kind
+from ..text import brief, did_you_mean, nearest
+from ..yaml.document import Path, kind
 from ..yaml.locations import MAX_FINDINGS, Finding, Places
 from .spec import Spec
 
@@ -92,8 +92,7 @@ def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
 
 def _other_key(path: Path) -> str:
     keys = _keys(path[:-1])
-    close = nearest(path[-1], keys)
-    return f"did you mean {close}?" if close else "the keys here are " + ", ".join(keys)
+    return did_you_mean(path[-1], keys, "the keys here are " + ", ".join(keys))
 
 
 def _keys(path: Path) -> list[str]:

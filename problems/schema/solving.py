@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
-from ..expressions.slips import nearest
-from ..yaml.document import brief, kind
+from ..text import brief, did_you_mean
+from ..yaml.document import kind
 from .values import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
 MAX_MESHES = 100
@@ -65,8 +65,7 @@ class Mesh(Entry):
     def _known_method(cls, value: str, info: ValidationInfo) -> str:
         methods = (info.context or {}).get("methods", ())
         if methods and value not in methods:
-            close = nearest(value, methods)
-            remedy = f"did you mean {close}?" if close else "write one of " + ", ".join(methods)
+            remedy = did_you_mean(value, methods, "write one of " + ", ".join(methods))
             raise mistake(f'there is no method "{brief(value)}"', remedy)
         return value
 

@@ -20,10 +20,10 @@ from pydantic import (
 
 from ..errors import Mistake
 from ..expressions.expression import Expression
-from ..expressions.slips import nearest
 from ..expressions.smooth import SLACK, SQRT, TANH
 from ..models import MODELS
-from ..yaml.document import brief, kind
+from ..text import brief, did_you_mean
+from ..yaml.document import kind
 from ..yaml.locations import Finding, Places
 from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, Parameter, Residual, State, Static, Time
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, Mesh, Reference, Refine, Solver
@@ -255,8 +255,7 @@ class Spec(Entry):
     @classmethod
     def _known_model(cls, value: str) -> str:
         if value and value not in MODELS:
-            close = nearest(value, MODELS)
-            remedy = f"did you mean {close}?" if close else f"the models are {', '.join(MODELS)}"
+            remedy = did_you_mean(value, MODELS, f"the models are {', '.join(MODELS)}")
             raise mistake(f'there is no model "{brief(value)}"', remedy)
         return value
 

@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from ..errors import Mistake, SpecError
-from ..expressions.slips import shorten, tidy
+from ..text import brief
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
@@ -128,11 +128,6 @@ def kind(value: Any) -> str:
     if isinstance(value, str):
         return f'the text "{brief(value)}"'
     return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
-
-
-def brief(word: str | int) -> str:
-    """A word of the user's on one short line, for messages."""
-    return shorten(tidy(str(word)), 40)
 
 
 def show(path: Path) -> str:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..errors import Mistake, SpecError
-from ..expressions.slips import nearest
+from ..text import did_you_mean
 from . import document as yamltext
 from .document import Document, Path, kind, show
 
@@ -73,8 +73,7 @@ def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> Non
     """Refuse a new name in a section of names."""
     for path, node in found:
         if len(path) == 1 and path[0] in _NAMED and step not in (node or {}) and step != "*":
-            close = nearest(step, node or ())
-            remedy = f"did you mean {close}?" if close else "declare it in the file first"
+            remedy = did_you_mean(step, node or (), "declare it in the file first")
             raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
 
 

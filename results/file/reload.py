@@ -13,12 +13,13 @@ from ...problems.load import load_text
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ...transcription.engines.outcome import Outcome, Status
+from ...transcription.layout import Transcription
 from ...transcription.program.compiler import CompiledNLP
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.schemes.table import find
 from ...transcription.solution.costate import with_costates
 from ...transcription.solution.trajectory import Trajectory, trajectories
-from ...transcription.transcribe import Transcription, compiled, transcribe
+from ...transcription.transcribe import compiled, transcribe
 from .write import open_result
 
 

@@ -20,8 +20,8 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import Formatter
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.expressions.slips import shorten
 from ...problems.files import check_writable, replacing
+from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"

@@ -9,10 +9,8 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from html import escape
 from importlib.metadata import version
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from .reproduce import Chapter, Check
+from .chapter import Chapter, Check
 
 MARK = '<meta name="generator" content="trajopt reproduce">'
 

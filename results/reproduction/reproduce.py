@@ -8,15 +8,14 @@ results/       the result file of every solve
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ...problems.build import build_all
 from ...problems.catalog import find as find_problem
 from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.expressions.slips import nearest
 from ...problems.files import check_writable, replacing
 from ...problems.load import load
+from ...problems.text import did_you_mean
 from ...transcription.settings import settings_of, steps
 from ...transcription.solve import solve
 from ..file.read import read
@@ -24,9 +23,10 @@ from ..file.summary import summarize
 from ..file.write import check_target, write
 from ..pictures.style import check_picture, look, save
 from . import page
+from .chapter import Chapter, Check, Measured
 from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines
 from .figures.example import Example, Picture, Run, Solutions, Solved
-from .paper_values import EFFORTS, VALUES, Effort, Value
+from .paper_values import EFFORTS, VALUES
 
 EXAMPLES: dict[str, Example] = {
     module.EXAMPLE.name: module.EXAMPLE
@@ -36,57 +36,12 @@ FORMATS = (".png", ".pdf")
 FIGURES, RESULTS, INDEX = "figures", "results", "index.html"
 
 
-@dataclass(frozen=True)
-class Check:
-    """A number against what it should be."""
-
-    example: str
-    value: Value
-    number: float
-
-    @property
-    def passed(self) -> bool:
-        return self.value.holds(self.number)
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What a solve took, beside what it took in the paper."""
-
-    paper: Effort
-    iterations: int
-    seconds: float
-
-    @property
-    def row(self) -> list[str]:
-        """As texts: what, the paper's iterations and seconds, and those measured here."""
-        paper = self.paper
-        return [paper.what, str(paper.iterations), f"{paper.seconds:g}", str(self.iterations), f"{self.seconds:.3f}"]
-
-
-@dataclass(frozen=True)
-class Chapter:
-    """One example, done. unsolved: name of a run -> how it ended. table: rows of texts, the first one of headings."""
-
-    example: Example
-    captions: Mapping[str, str]
-    checks: tuple[Check, ...]
-    efforts: tuple[Measured, ...]
-    table: Sequence[Sequence[str]]
-    unsolved: Mapping[str, str]
-
-    @property
-    def passed(self) -> bool:
-        return not self.unsolved and all(check.passed for check in self.checks)
-
-
 def examples(names: Sequence[str]) -> list[Example]:
     """The examples of these names, all of them if there are none. Raises SpecError for an unknown name."""
     mistakes = []
     for name in (name for name in names if name not in EXAMPLES):
-        close = nearest(name, EXAMPLES)
-        hint = f"did you mean {close}? " if close else ""
-        mistakes.append(Mistake(name, "there is no such example", f"{hint}the examples are {', '.join(EXAMPLES)}"))
+        remedy = did_you_mean(name, EXAMPLES, always=f"the examples are {', '.join(EXAMPLES)}")
+        mistakes.append(Mistake(name, "there is no such example", remedy))
     if mistakes:
         raise SpecError(mistakes)
     return [EXAMPLES[name] for name in dict.fromkeys(names)] or list(EXAMPLES.values())

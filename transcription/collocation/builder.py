@@ -7,7 +7,7 @@ residuals, bounds of states that are no variables, and integrals follow from the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -17,33 +17,9 @@ from pyomo.core import Any as AnyValue
 from pyomo.core import Constraint, Param, RangeSet, Set, Var
 
 from ...problems.problem import Phase, Range
+from ..layout import Family
 from ..program.templates import item
 from ..schemes.mesh import Mesh
-
-
-@dataclass(frozen=True)
-class Family:
-    """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
-
-    kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
-    state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
-    of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
-    component that holds several rows of each segment has a tuple of them. part: of the component.
-    """
-
-    component: Constraint
-    phase: str
-    kind: str
-    name: str
-    span: np.ndarray
-    weights: np.ndarray
-    group: int = 0
-    row: int | tuple[int, ...] = 0
-    part: slice = field(default_factory=lambda: slice(None))
-
-    def rows(self, nlp) -> np.ndarray:
-        """The numbers of its rows in a compiled program, shape (M,)."""
-        return nlp.rows(self.component)[self.part]
 
 
 @dataclass(frozen=True)

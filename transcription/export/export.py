@@ -15,8 +15,9 @@ from pathlib import Path
 from ...problems.errors import Mistake, SpecError
 from ...problems.files import check_writable, replacing
 from ...problems.problem import Problem
+from ..layout import Transcription
 from ..schemes.mesh import Mesh
-from ..transcribe import Transcription, transcribe
+from ..transcribe import transcribe
 from . import latex
 
 FORMATS = (".nl", ".gms", ".tex")

@@ -18,9 +18,8 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from ..collocation.builder import Family
+from ..layout import Family, Transcription
 from ..schemes.mesh import Mesh
-from ..transcribe import Transcription
 from .formula import AT_MOST, EQUAL, Formula, Piece, Printer, lines, name, number, related
 
 HEAD = r"""\documentclass{article}

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from ..layout import Layout
 from ..program.pointwise import PointFunctions
-from ..transcribe import Layout
 from .rows import PhaseRows, path_constraints
 from .simulation import STEP, Segments
 

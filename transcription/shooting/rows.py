@@ -25,9 +25,8 @@ import numpy as np
 
 from ...problems.errors import Mistake
 from ...problems.problem import Constraint, Phase, Problem, Range
-from ..collocation.builder import Family
+from ..layout import Family, Layout, Transcription
 from ..schemes.mesh import Mesh
-from ..transcribe import Layout, Transcription
 from .simulation import held
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns

@@ -25,9 +25,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..engines.outcome import Outcome
+from ..layout import Layout, Transcription
 from ..program.compiler import CompiledNLP
 from ..schemes.scheme import FiniteDifference
-from ..transcribe import Layout, Transcription
 from .trajectory import Trajectory
 
 

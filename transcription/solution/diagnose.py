@@ -9,12 +9,11 @@ from itertools import groupby
 import numpy as np
 import symengine as se
 
-from ...problems.expressions.slips import shorten
 from ...problems.problem import Phase, Variable
-from ..collocation.builder import Family
+from ...problems.text import shorten
 from ..engines.outcome import Outcome, Status
+from ..layout import Family, Layout, Transcription
 from ..program.compiler import CompiledNLP
-from ..transcribe import Layout, Transcription
 from .trajectory import Trajectory, trajectories
 
 LISTED = 6

@@ -18,10 +18,10 @@ import numpy as np
 
 from ...problems.problem import Phase
 from ..collocation.differences import velocities
+from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import Shooting, simulate
 from ..schemes.scheme import FiniteDifference
-from ..transcribe import Layout, Transcription
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment

@@ -1,0 +1,44 @@
+"""Helpers for texts that people read: on one line, short, and with the word that was probably meant."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+def tidy(text: str) -> str:
+    """The text on one line with single spaces (folded YAML scalars carry line breaks)."""
+    return " ".join(text.split())
+
+
+def shorten(text: str, limit: int = 80) -> str:
+    """The text with its middle left out where it is longer than `limit` characters."""
+    return text if len(text) <= limit else f"{text[: limit // 2 - 2]} ... {text[-limit // 2 + 3 :]}"
+
+
+def brief(word: str | int) -> str:
+    """A word of the user's on one short line, for messages."""
+    return shorten(tidy(str(word)), 40)
+
+
+def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
+    """The offending piece in quotes, inside enough of the expression to find it."""
+    piece = f'"{shorten(text[start:stop].strip())}"'
+    if text[start:stop].strip() == text:
+        return piece
+    left, right = max(0, start - margin), min(len(text), stop + margin)
+    around = ("..." if left else "") + text[left:right].strip() + ("..." if right < len(text) else "")
+    return f'{piece} in "{shorten(around, 120)}"'
+
+
+def nearest(word: str | int, known: Iterable[str | int]) -> str | None:
+    """The known word most like this one, or None if none is like it."""
+    by_lower_case = {str(k).lower(): str(k) for k in known}
+    found = difflib.get_close_matches(str(word).lower(), by_lower_case, n=1, cutoff=0.6)
+    return by_lower_case[found[0]] if found else None
+
+
+def did_you_mean(word: str | int, known: Iterable[str | int], otherwise: str = "", always: str = "") -> str:
+    """A remedy for an unknown word: the known one most like it, or `otherwise`; then what is `always` said."""
+    close = nearest(word, known)
+    return " ".join(filter(None, [f"did you mean {close}?" if close else otherwise, always]))
