@@ -147,7 +147,8 @@ def test_every_module_is_named_in_the_design_notes(layer):
     """Each room has a line in the drawing of its package, which names its modules."""
     notes = (ROOT / "docs" / "design.md").read_text()
     drawn = re.search(rf"^    {layer}/\n((?:        .*\n)+)", notes, re.MULTILINE)[1]
-    rooms = {line.split()[0].rstrip("/"): set(line.split(":", 1)[1].split()) for line in drawn.splitlines()}
+    lines = [line.split(":") for line in drawn.splitlines()]
+    rooms = {room.strip(): set(modules.split()) for room, modules in lines}
     found = defaultdict(set)
     for path in (ROOT / layer).rglob("*.py"):
         if path.name != "__init__.py":
