@@ -7,9 +7,17 @@ from typing import Annotated
 
 import typer
 
-from .problem_files import files, inspect
-from .result_files import plot, verify
+from .problem_files.check import check
+from .problem_files.export import export
+from .problem_files.init import init
+from .problem_files.listing import list_
+from .problem_files.methods import methods
+from .problem_files.schema import schema
+from .result_files.animate import animate
 from .result_files.compare import compare
+from .result_files.plot import plot
+from .result_files.show import show
+from .result_files.verify import verify
 from .solving.reproduce import reproduce
 from .solving.solve import solve
 
@@ -19,7 +27,8 @@ app = typer.Typer(
     name="trajopt",
     help="Trajectory optimization from a problem file: direct collocation, Pyomo, IPOPT, HDF5.",
     epilog="Exit codes: 0 solved; 1 not solved (the result is still written); 2 mistake in the file or on the "
-    "command line; 3 a file cannot be read or written; 130 interrupted (the last iterate is written).",
+    "command line; 3 a file cannot be read or written; 130 or 143 interrupted (the last "
+    "iterate is written).",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -27,8 +36,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, files.check, inspect.show, verify.verify, compare, plot.plot, plot.animate, reproduce,
-    inspect.list_, inspect.methods, inspect.schema, files.export, files.init,
+    solve, check, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

@@ -26,6 +26,7 @@ Segments = Annotated[
     str, typer.Option("--segments", metavar="N", help="Segments of the last mesh; refinement starts on it.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, one object on each line, in place of tables.")]
+Picture = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Name of the picture, or a folder.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, whatever it holds.")]
 
 

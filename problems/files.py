@@ -10,6 +10,8 @@ from pathlib import Path
 
 from .errors import FileError, Mistake
 
+_temporaries: set[Path] = set()
+
 
 def check_writable(path: Path, force: bool = True) -> None:
     """Raise FileError if a file at `path` could not be written, or if it exists and may not be replaced."""
@@ -39,6 +41,7 @@ def replacing(path: Path) -> Iterator[Path]:
     try:
         descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
         temporary = Path(name)
+        _temporaries.add(temporary)
         os.close(descriptor)
         temporary.chmod(0o666 & ~_umask())
         yield temporary
@@ -51,6 +54,13 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+            _temporaries.discard(temporary)
+
+
+def remove_temporaries() -> None:
+    """Remove the temporary files that are being written, for a process that ends in the middle of it."""
+    for temporary in tuple(_temporaries):
+        temporary.unlink(missing_ok=True)
 
 
 def _umask() -> int:

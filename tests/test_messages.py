@@ -10,7 +10,7 @@ import broken
 import pytest
 from pydantic import BaseModel
 
-from trajopt.cli.common import load_all
+from trajopt.cli.loading import load_all
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.schema.messages import EXAMPLES, form

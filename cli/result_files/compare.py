@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 
-from ..common import command
+from ..errors import command
 from ..options import Json, Results
 from ..output.printing import cell, one_line, print_json, print_table
 

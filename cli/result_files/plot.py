@@ -1,8 +1,7 @@
-"""`trajopt plot` and `trajopt animate`: result files -> pictures."""
+"""`trajopt plot`: curves of result files -> pictures."""
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,29 +9,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...problems.errors import FileError, Mistake, SpecError
-from ..common import command
-from ..options import Force, Results
+from ...problems.errors import Mistake, SpecError
+from ..errors import command
+from ..options import Force, Picture, Results
 from ..output.printing import one_line
+from .targets import PICTURES, targets_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...results.file.read import Result
 
-PICTURES, FILMS = (".png", ".pdf"), (".gif", ".mp4")
-FPS, FRAMES = 20, (24, 240)
-POSES = 9
-
-Picture = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Name of the picture, or a folder.")]
 Only = Annotated[str, typer.Option("--only", metavar="NAME,NAME", help="Draw these names only, with their costates.")]
 Errors = Annotated[bool, typer.Option("--error", help="Draw epsilon over time and eta of each segment.")]
 Meshes = Annotated[bool, typer.Option("--mesh", help="Draw the history of the meshes.")]
 NoBounds = Annotated[bool, typer.Option("--no-bounds", help="Leave the bounds out.")]
-Frames = Annotated[
-    int, typer.Option("--frames", metavar="N", min=2, max=1000, show_default=False, help="Number of pictures or poses.")
-]
-FramesPerSecond = Annotated[int, typer.Option("--fps", metavar="N", min=1, max=50, help="Pictures a second.")]
 
 
 @command
@@ -57,7 +48,7 @@ def plot(
     file only with --force.
     """
     kinds = [kind for kind, wanted in (("error", error), ("mesh", mesh)) if wanted] or ["trajectory"]
-    targets = _targets(results, output, [_ending(kind) for kind in kinds])
+    targets = targets_of(results, output, [_ending(kind) for kind in kinds])
 
     from ...results.file.read import read
     from ...results.pictures.style import check_picture, save
@@ -108,69 +99,3 @@ def _bounds(result: Result) -> dict:
     except SpecError as error:
         print(f"warning: {one_line(str(error))}; drawn without bounds", file=sys.stderr)
         return {}
-
-
-@command
-def animate(
-    results: Results,
-    *,
-    output: Picture = None,
-    frames: Frames = None,
-    fps: FramesPerSecond = FPS,
-    force: Force = False,
-) -> None:
-    """Draw how the system moves: a film, or poses in one picture.
-
-    A name that ends with .gif or .mp4 makes a film, .png or .pdf a picture.
-
-    Example: trajopt animate cartpole.h5 -o swing.gif --frames 60
-
-    Without -o the film is <name of the result>.gif in the current folder. Without --frames it runs in real time if that
-    gives 24 to 240 pictures, and a picture shows 9 poses. MP4 needs the program ffmpeg.
-    """
-    targets = [path for (path,) in _targets(results, output, [".gif"])]
-
-    from ...results.file.read import read
-    from ...results.pictures.animate import animate as film
-    from ...results.pictures.animate import check_film, stop_action_figure
-    from ...results.pictures.style import check_picture, save
-
-    for path in targets:
-        check_picture(path, (*FILMS, *PICTURES), force)
-        check_film(path)
-    for result, path in zip(map(read, results), targets, strict=True):
-        if path.suffix.lower() in FILMS:
-            film(result, path, frames or _real_time(result, fps), fps)
-        else:
-            save([stop_action_figure(result, frames or POSES)], path, result.problem)
-        print(path)
-
-
-def _real_time(result: Result, fps: int) -> int:
-    duration = result.phases[-1].knots[-1] - result.phases[0].knots[0]
-    least, most = FRAMES
-    return int(min(max(duration * fps, least), most))
-
-
-def _targets(results: Sequence[Path], output: str | None, endings: Sequence[str]) -> list[list[Path]]:
-    """For each result the files to write: one for each ending, or one for all that -o names.
-
-    Raises SpecError if two pictures would go to one file that cannot hold them, FileError if a folder is missing.
-    """
-    if output is None or Path(output).is_dir():
-        targets = [[Path(output or "") / (path.stem + ending) for ending in endings] for path in results]
-        flat = [path for paths in targets for path in paths]
-        if twice := next((path for path in flat if flat.count(path) > 1), None):
-            raise SpecError(
-                Mistake(str(twice), "two of the pictures would go to this file", "draw one of them with -o")
-            )
-        return targets
-    if output.endswith(os.sep):
-        raise FileError(Mistake(f"-o {output}", "there is no such folder", "create it first"))
-    if len(results) > 1:
-        raise FileError(
-            Mistake(f"-o {output}", f"this is no folder, but there are {len(results)} results", "create it first")
-        )
-    if len(endings) > 1 and Path(output).suffix.lower() != ".pdf":
-        raise SpecError(Mistake(f"-o {output}", "one file cannot hold two pictures", "give a .pdf, or a folder"))
-    return [[Path(output)]]

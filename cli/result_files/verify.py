@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ..common import NOT_SOLVED, command
+from ..errors import NOT_SOLVED, command
 from ..options import Json, Results
 from ..output.printing import cell, print_json, print_table
 

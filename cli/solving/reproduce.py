@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..common import INTERRUPTED, NOT_SOLVED, command, native_output
+from ..errors import NOT_SOLVED, command
 from ..options import Json
 from ..output.printing import one_line, plural, print_json, print_table, print_title
 from ..output.progress import live_text
+from ..streams import native_output
 
 if TYPE_CHECKING:
     from ...results.reproduction.chapter import Chapter
@@ -46,15 +47,11 @@ def reproduce(
     from ...results.reproduction.reproduce import INDEX
     from ...results.reproduction.reproduce import reproduce as run
 
-    try:
-        with native_output(2), live_text("reproducing") as show:
-            chapters = run(
-                examples, output, every=check, figures=not no_figures, progress=show or (lambda text: None),
-                command=shlex.join(["trajopt", *sys.argv[1:]]),
-            )  # fmt: skip
-    except KeyboardInterrupt:
-        print(f"interrupted; {output} holds what was done until then", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+    with native_output(2), live_text("reproducing") as show:
+        chapters = run(
+            examples, output, every=check, figures=not no_figures, progress=show or (lambda text: None),
+            command=shlex.join(["trajopt", *sys.argv[1:]]),
+        )  # fmt: skip
     if json_:
         print_json(_summary(chapters, output))
     else:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import logging
 import os
 import shlex
-import signal
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,9 +15,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ..common import INTERRUPTED, NOT_SOLVED, build_checked, command, load_all, native_output
+from ..errors import NOT_SOLVED, command
+from ..loading import build_checked, load_all
 from ..options import Files, Force, Json, Method, Segments, Set, overrides
 from ..output.printing import one_line, print_json
+from ..signals import Stop
+from ..streams import native_output
 
 if TYPE_CHECKING:
     from ...problems.problem import Guess, Problem
@@ -64,19 +65,20 @@ def solve(
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
     code = 0
-    with _interruptible() as interrupted:
+    with Stop() as stop:
         jobs = _jobs(specs, _targets(specs, output), guess, force)
         if not quiet:
             _warn(jobs, guess)
         for job in jobs:
-            solution = _run(job, interrupted, quiet, verbose)
-            _tell(job, json_, quiet)
+            solution = _solved(job, stop, quiet, verbose)
+            path = _kept(job, solution)
+            _tell(path, json_, quiet)
             if plot:
                 from ..result_files.plot import draw_trajectory
 
-                print(f"picture: {draw_trajectory(job.target, force)}", file=sys.stderr)
-            if interrupted():
-                raise typer.Exit(INTERRUPTED)
+                print(f"picture: {draw_trajectory(path, force)}", file=sys.stderr)
+            if stop():
+                raise typer.Exit(stop.exit_code)
             code = code if solution.solved else NOT_SOLVED
     raise typer.Exit(code)
 
@@ -97,6 +99,7 @@ class _Job:
     problems: list[Problem]
     target: Path
     guess: list[Guess] | None
+    force: bool
 
 
 def _targets(specs: list[Spec], output: str | None) -> list[Path]:
@@ -121,12 +124,11 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
     jobs = []
     for spec, problems, target in zip(specs, build_checked(specs), targets, strict=True):
         check_target(target, spec.name, force)
-        jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None))
+        jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None, force))
     return jobs
 
 
-def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
-    """Solve and write the result."""
+def _solved(job: _Job, stop: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
     from ...transcription.settings import settings_of, steps
     from ...transcription.solve import solve as run
     from ..output.progress import live_line, print_iteration
@@ -134,31 +136,37 @@ def _run(job: _Job, interrupted: Callable[[], bool], quiet: bool, verbose: bool)
     spec, schedule, settings = job.spec, steps(job.spec.mesh), settings_of(job.spec)
     with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        solution = run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=interrupted)
-    _keep(job, solution)
-    return solution
+        return run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=stop)
 
 
-def _keep(job: _Job, solution: Solution) -> None:
-    """Write the result; if its place has gone since the start, elsewhere, since a solve can take hours."""
-    from ...results.file.write import write
+def _kept(job: _Job, solution: Solution) -> Path:
+    """Write the result, and tell where: beside an earlier solution that it should not replace.
 
+    If its place has gone since the start, it goes elsewhere, since a solve can take hours.
+    """
+    from ...results.file.write import place_for, write
+
+    place = job.target if job.force else place_for(job.target, job.spec.name, solution.solved)
+    if place != job.target:
+        kept = f"{job.target} holds a solution and is kept (--force replaces it); this result is in {place}"
+        print(f"note: {one_line(kept)}", file=sys.stderr)
     told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.spec.overrides
     try:
-        write(job.target, solution, *told)
+        write(place, solution, *told)
     except FileError as error:
-        rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / job.target.name
+        rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / place.name
         write(rescued, solution, *told)
         (mistake,) = error.mistakes
         raise FileError(replace(mistake, remedy=f"the result is in {rescued}, move it from there")) from error
+    return place
 
 
-def _tell(job: _Job, as_json: bool, quiet: bool) -> None:
+def _tell(path: Path, as_json: bool, quiet: bool) -> None:
     """Print what the result file holds; a failure also goes to standard error if the table is not seen there."""
     from ...results.file.summary import summarize
     from ..output.table import causes, print_summary
 
-    summary = summarize(job.target)
+    summary = summarize(path)
     if as_json:
         print_json(summary)
     elif not quiet:
@@ -166,24 +174,3 @@ def _tell(job: _Job, as_json: bool, quiet: bool) -> None:
     if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):
         why = "; ".join([summary["message"], *causes(summary)[:1], summary["remedy"]])
         print(f"not solved: {one_line(summary['problem'])}: {one_line(why)}", file=sys.stderr)
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """A function that tells whether Ctrl-C (or a scheduler's SIGTERM) has come; a second one ends at once."""
-    seen = []
-
-    def note(number, frame):
-        if seen:
-            logging.disable()  # Pyomo would report the interrupted rule as an error
-            raise KeyboardInterrupt
-        seen.append(number)
-        if sys.stderr.isatty():  # not print: the signal may have come in the middle of another one
-            os.write(2, b"\nstopping after this iteration; once more to stop at once, without a result\n")
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: bool(seen)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -33,8 +33,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -60,15 +61,32 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
     Raises FileError.
     """
     check_writable(path)
-    if path.exists() and not force and (owner := _problem_of(path)) != problem:
+    if path.exists() and not force and (owner := _told_by(path, "problem")) != problem:
         what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
         raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
 
 
-def _problem_of(path: Path) -> str | None:
+def place_for(path: Path, problem: str, solved: bool) -> Path:
+    """Where the result of a problem goes so that no solution is lost: `path`, or a name beside it.
+
+    Only another solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
+    if something else is there, to NAME-unsolved-2.h5 and so on.
+    """
+    if solved or not _told_by(path, "solved"):
+        return path
+    names = (path.with_stem(f"{path.stem}-unsolved" + (f"-{n}" if n > 1 else "")) for n in count(1))
+    return next(
+        beside
+        for beside in names
+        if not beside.exists() or (_told_by(beside, "problem") == problem and not _told_by(beside, "solved"))
+    )
+
+
+def _told_by(path: Path, attribute: str) -> Any:
+    """An attribute at the top of a result file; None if there is no such file."""
     try:
         with open_result(path) as file:
-            return file.attrs["problem"]
+            return file.attrs[attribute]
     except FileError:
         return None
 

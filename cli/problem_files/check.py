@@ -1,0 +1,25 @@
+"""`trajopt check`: every mistake in problem files, without solving."""
+
+from __future__ import annotations
+
+import sys
+
+from ..errors import command
+from ..loading import build_checked, load_all
+from ..options import Files, Set
+from ..output.printing import one_line, plural
+
+
+@command
+def check(files: Files, *, set_: Set = ()) -> None:
+    """Name every mistake in problem files, without solving.
+
+    Example: trajopt check my_problem.yaml
+    """
+    specs = load_all(files, list(set_))
+    build_checked(specs)
+    for spec in specs:
+        for warning in spec.warnings:
+            print(f"warning: {one_line(str(warning))}", file=sys.stderr)
+        counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))
+        print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in counts))

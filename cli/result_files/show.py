@@ -1,0 +1,33 @@
+"""`trajopt show`: what result files hold."""
+
+from __future__ import annotations
+
+import typer
+
+from ..errors import NOT_SOLVED, command
+from ..options import Json, Results
+from ..output.printing import print_json
+
+
+@command
+def show(results: Results, *, json_: Json = False) -> None:
+    """Print what result files hold.
+
+    Example: trajopt show cartpole.h5 --json
+
+    The exit code is 1 if a result is no solution.
+    """
+    from ...results.file.summary import summarize
+    from ..output.table import print_details, print_summary
+
+    summaries = [summarize(path) for path in results]
+    for number, summary in enumerate(summaries):
+        if json_:
+            print_json(summary)
+        else:
+            if number:
+                print()
+            print_summary(summary)
+            print_details(summary)
+    if not all(summary["solved"] for summary in summaries):
+        raise typer.Exit(NOT_SOLVED)

@@ -1,0 +1,35 @@
+"""Where pictures go."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...problems.errors import FileError, Mistake, SpecError
+
+PICTURES = (".png", ".pdf")
+
+
+def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[str]) -> list[list[Path]]:
+    """For each result the files to write: one for each ending, or one for all that -o names.
+
+    Raises SpecError if two pictures would go to one file that cannot hold them, FileError if a folder is missing.
+    """
+    if output is None or Path(output).is_dir():
+        targets = [[Path(output or "") / (path.stem + ending) for ending in endings] for path in results]
+        flat = [path for paths in targets for path in paths]
+        if twice := next((path for path in flat if flat.count(path) > 1), None):
+            raise SpecError(
+                Mistake(str(twice), "two of the pictures would go to this file", "draw one of them with -o")
+            )
+        return targets
+    if output.endswith(os.sep):
+        raise FileError(Mistake(f"-o {output}", "there is no such folder", "create it first"))
+    if len(results) > 1:
+        raise FileError(
+            Mistake(f"-o {output}", f"this is no folder, but there are {len(results)} results", "create it first")
+        )
+    if len(endings) > 1 and Path(output).suffix.lower() != ".pdf":
+        raise SpecError(Mistake(f"-o {output}", "one file cannot hold two pictures", "give a .pdf, or a folder"))
+    return [[Path(output)]]
