@@ -21,6 +21,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .text import shorten
+
 
 class Function(Protocol):
     """A scalar function of named values.
@@ -43,6 +45,9 @@ class Range:
 
     lower: float = -inf
     upper: float = inf
+
+    def __str__(self) -> str:
+        return f"{self.lower:g}" if self.fixed else f"{self.lower:g} to {self.upper:g}"
 
     @property
     def fixed(self) -> bool:
@@ -137,6 +142,13 @@ class Phase:
         """The controls, then the algebraic variables: the rows of every array u."""
         return self.controls + self.algebraic
 
+    def __repr__(self) -> str:
+        """One line: the time, and the names of what varies in it."""
+        kinds = {"states": self.states, "controls": self.controls, "algebraic": self.algebraic}
+        named = [f"{kind} {_named(variables)}" for kind, variables in kinds.items() if variables]
+        time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
+        return f"<Phase {self.name}: {'; '.join([time, *named])}>"
+
     def values(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
         """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}
@@ -158,3 +170,14 @@ class Problem:
     sense: int
     phases: tuple[Phase, ...]
     parameters: tuple[Variable, ...] = ()
+
+    def __repr__(self) -> str:
+        """A line for the problem and one for each phase."""
+        sense = "minimize" if self.sense > 0 else "maximize"
+        parameters = f", parameters {_named(self.parameters)}" if self.parameters else ""
+        return "\n  ".join([f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]) + ">"
+
+
+def _named(variables: tuple[Variable, ...]) -> str:
+    """Names for people to read, on less than a line however many there are."""
+    return shorten(", ".join(variable.name for variable in variables))

@@ -167,7 +167,7 @@ class _Checker:
                 continue
             common = bounds.intersection(asked)
             if common.lower > common.upper:
-                what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {state.name}"
+                what = f"the {end} value {asked} lies outside the bounds {bounds} of {state.name}"
                 self.error(path, what, "change it, or lower: and upper: of the state")
 
     def time(self) -> None:
@@ -177,7 +177,7 @@ class _Checker:
         ranges = {end: self.range(("time", end), entry) for end, entry in entries.items()}
         initial, final = ranges["initial"], ranges["final"]
         if initial and final and final.upper <= initial.lower:
-            what = f"the final time {_range(final)} is not after the initial time {_range(initial)}"
+            what = f"the final time {final} is not after the initial time {initial}"
             self.error(("time", "final"), what, "make the final time larger")
             return
         guesses = [self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final")]
@@ -189,7 +189,7 @@ class _Checker:
         if bounds is None:
             return None
         if entry.value is None and entry.guess is None and not (isfinite(bounds.lower) and isfinite(bounds.upper)):
-            what = f"the {end} time is free in the open range {_range(bounds)}, so it needs a guess"
+            what = f"the {end} time is free in the open range {bounds}, so it needs a guess"
             self.error(("time", end), what, f"add guess: with a likely value, in {self.spec.time.unit}")
             return None
         guess = self.numbers.get(("time", end, "guess"), (bounds.lower + bounds.upper) / 2)
@@ -199,7 +199,7 @@ class _Checker:
     def inside(self, path: Path, values: list[float], bounds: Range | None) -> None:
         outside = [v for v in values if bounds is not None and not bounds.lower <= v <= bounds.upper]
         if outside:
-            what = f"the guess {outside[0]:g} lies outside the bounds {_range(bounds)}"
+            what = f"the guess {outside[0]:g} lies outside the bounds {bounds}"
             self.warn(path, what, "choose a guess inside; the solver moves it there first")
 
     def constraint_names(self) -> None:
@@ -285,9 +285,3 @@ class _Checker:
             if kind in _USED and name not in named:
                 group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(kind, kind + "s")
                 self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
-
-
-def _range(bounds: Range) -> str:
-    if bounds.fixed:
-        return f"{bounds.lower:g}"
-    return f"{bounds.lower:g} to {bounds.upper:g}"

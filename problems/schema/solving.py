@@ -55,10 +55,14 @@ class Mesh(Entry):
     @model_validator(mode="after")
     def _as_many_degrees_as_segments(self):
         if isinstance(self.degree, tuple):
-            count = self.segments if isinstance(self.segments, int) else len(self.segments)
+            count = self.number_of_segments
             if len(self.degree) != count:
                 raise mistake(f"there are {len(self.degree)} degrees for {count} segments", "give one for each segment")
         return self
+
+    @property
+    def number_of_segments(self) -> int:
+        return self.segments if isinstance(self.segments, int) else len(self.segments)
 
     @field_validator("method")
     @classmethod

@@ -22,7 +22,7 @@ from ..errors import Mistake
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK, SQRT, TANH
 from ..models import MODELS
-from ..text import brief, did_you_mean
+from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import kind
 from ..yaml.locations import Finding, Places
 from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, Parameter, Residual, State, Static, Time
@@ -283,6 +283,25 @@ class Spec(Entry):
         """The paths of the overrides that make another problem, or another mesh, of the file."""
         shown = dict.fromkeys(self._places.overrides.values())
         return tuple(path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note"))
+
+    def __repr__(self) -> str:
+        """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
+        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions")
+        named = {group: getattr(self, group) for group in groups}
+        declared = [f"{group} {shorten(', '.join(names), 60)}" for group, names in named.items() if names]
+        if self.model:
+            declared.insert(0, f"model {self.model}")
+        meshes = shorten(", ".join(f"{entry.method} {entry.number_of_segments}" for entry in self.mesh))
+        refined = f", refined to {self.refine.tolerance:g}" if self.refine else ""
+        half = (len(declared) + 1) // 2
+        lines = [
+            f"<Spec {shorten(tidy(self.name))}: {self.objective.sense}, engine {self.solver.engine}",
+            *("; ".join(part) for part in (declared[:half], declared[half:]) if part),
+            f"mesh {meshes}{refined}>",
+        ]
+        return "\n  ".join(lines)
+
+    __str__ = __repr__
 
     def attach(self, text: str, places: Places, warnings: Iterable[Finding]) -> Spec:
         """The same spec, knowing the text it was read from."""
