@@ -1,9 +1,9 @@
 """Expression strings as functions of named values: arithmetic, never code.
 
-An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.CALLABLE`, and at the
-boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it. A walk
-does the same operations in the same order at every call, so that every function is consistent in the sense of the
-paper, section 5.5.
+An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of the table in functions.py, and
+at the boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it.
+A walk does the same operations in the same order at every call, so that every function is consistent in the sense of
+the paper, section 5.5.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..text import shorten, tidy
-from .slips import FUNCTIONS, MAX_EXPONENT, ExpressionError
-from .smooth import EXACT, STAND_INS
+from .functions import FUNCTIONS
+from .slips import MAX_EXPONENT, ExpressionError
+from .smooth import STAND_INS
 from .tree import External, Name, Node, Number, Operation, leaves, read
 
 
@@ -186,9 +187,7 @@ class _Walk:
 
     def apply(self, symbol: str, node: Node, operands: list) -> Any:
         if symbol in FUNCTIONS:
-            return getattr(self.functions, symbol)(*operands)
-        if symbol in EXACT:
-            return EXACT[symbol](operands)
+            return FUNCTIONS[symbol].evaluate(self.functions, operands)
         if symbol in STAND_INS:
             return STAND_INS[symbol](self.functions, operands)
         return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
@@ -249,8 +248,8 @@ class _Audit(_Walk):
 
     def finite(self, node: Node, result: Any) -> Any:
         self.refuse(node, np.isnan(result), "is not a real number")
-        zero_of_log = isinstance(node, Operation) and node.symbol == "log"
-        self.refuse(node, np.isneginf(result), "is the logarithm of zero" if zero_of_log else "is too large a number")
+        if isinstance(node, Operation) and node.symbol in FUNCTIONS:
+            self.refuse(node, np.isneginf(result), FUNCTIONS[node.symbol].minus_infinity)
         self.refuse(node, np.isinf(result), "is too large a number")
         return result
 

@@ -11,15 +11,12 @@ import re
 from typing import NamedTuple
 
 from ..text import did_you_mean, excerpt, nearest, shorten
+from .functions import FUNCTIONS, is_inconsistent, smooth_names
 
-FUNCTIONS = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
 ENDS = ("initial", "final")
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
-# Not consistent (paper, section 5.5): nonsmooth.py makes them so, where they do not stand for a constant.
-INCONSISTENT = ("abs", "min", "max")
-CALLABLE = FUNCTIONS + INCONSISTENT
 # `time` heads the keyframes of a guess, so no state may be called that.
-RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *INCONSISTENT, *keyword.kwlist})
+RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
 
 MAX_LENGTH = 4000  # characters
 MAX_NAME = 60
@@ -27,7 +24,6 @@ MAX_DEPTH = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
-MAX_ARGUMENTS = 20
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
@@ -136,7 +132,7 @@ def _check_token(text: str, token: Token) -> None:
             token,
             token,
             f"{token.text} is a word of Python, not of expressions, which have no branches",
-            "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS),
+            "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
         )
     if len(token.text) > MAX_NAME:
         _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
@@ -169,7 +165,7 @@ def _separated(tokens: list[Token]) -> list[Token]:
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and before.text in INCONSISTENT)
+            openers.append(token.text == "(" and is_inconsistent(before.text))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
@@ -196,7 +192,7 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
         _check_subscript(text, before, token, after)
     elif _ends_operand(before) and _starts_operand(token):
         _check_adjacent(text, before, token, after)
-    elif before.text in CALLABLE:
+    elif before.text in FUNCTIONS:
         _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...)")
     elif not _ends_operand(before) and not _starts_operand(token) and token.text not in ("+", "-"):
         _check_missing(text, before, token)
@@ -212,7 +208,7 @@ def _starts_operand(token: Token) -> bool:
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
     if before.kind == "name" and after.kind == "name":
-        remedy = f"write {after.text}" if after.text in FUNCTIONS else "write a plain name"
+        remedy = f"write {after.text}" if after.text in smooth_names() else "write a plain name"
         _fail(text, before, after, "expressions know no modules and no attributes", remedy)
     _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
 
@@ -231,10 +227,10 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
 def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
     """Two operands side by side: a call, or a missing operator."""
     if token.text == "(" and before.kind == "name":
-        if before.text not in CALLABLE:
+        if before.text not in FUNCTIONS:
             _check_call(text, before, token)
         return
-    if before.text in CALLABLE:
+    if before.text in FUNCTIONS:
         argument = token.text if token.kind != "number" or after.kind != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
@@ -252,10 +248,10 @@ def _check_call(text: str, name: Token, bracket: Token) -> None:
     if name.text in _ALIASES:
         remedy = f"write {_ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
-    if nearest(name.text, CALLABLE):
-        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, CALLABLE))
-    what = f"{name.text} is not a function"
-    _fail(text, name, last, what, f"write {name.text}*(...) for a product; the functions are {' '.join(FUNCTIONS)}")
+    if nearest(name.text, FUNCTIONS):
+        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, FUNCTIONS))
+    known = f"the functions are {' '.join(smooth_names())}"
+    _fail(text, name, last, f"{name.text} is not a function", f"write {name.text}*(...) for a product; {known}")
 
 
 def _argument(text: str, bracket: Token) -> str:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..text import excerpt
-from .slips import CALLABLE, ENDS, FUNCTIONS, MAX_ARGUMENTS, MAX_DEPTH, RATE, ExpressionError, check
+from .functions import FUNCTIONS, smooth_names
+from .slips import ENDS, MAX_DEPTH, RATE, ExpressionError, check
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +39,9 @@ class Name(Node):
 
 @dataclass(frozen=True, slots=True)
 class Operation(Node):
-    """A function of one operand (a name of FUNCTIONS, or "-"), the power of two ("**"), or abs, min, max of any.
+    """A function of the table `functions.FUNCTIONS`, minus its operand ("-"), or the power of two ("**").
 
-    nonsmooth.py replaces abs, min and max by operations of its own, "abs tanh" and the like; see stand_ins.py.
+    `nonsmooth.rewrite` replaces abs, min and max by operations of its own, "abs tanh" and the like; see smooth.py.
     """
 
     symbol: str
@@ -136,7 +137,7 @@ def _node(tree: ast.AST, text: str, depth: int) -> Node:
     node = _leaf(tree, place) or _operation(tree, place, text, depth + 1)
     if node is None:
         what = f"{excerpt(text, *place)} has no place in an expression"
-        raise ExpressionError(what, "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS))
+        raise ExpressionError(what, "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()))
     return node
 
 
@@ -157,7 +158,7 @@ def _leaf(tree: ast.AST, place: tuple[int, int]) -> Node | None:
 
 def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> Node | None:
     match tree:
-        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in CALLABLE:
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
             _check_arguments(name, len(arguments), text, place)
             return Operation(*place, name, tuple(_node(argument, text, depth) for argument in arguments))
         case ast.UnaryOp(op=ast.USub(), operand=operand):
@@ -172,9 +173,9 @@ def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> 
 
 
 def _check_arguments(name: str, given: int, text: str, place: tuple[int, int]) -> None:
-    least, most = (2, MAX_ARGUMENTS) if name in ("min", "max") else (1, 1)
+    least, most = FUNCTIONS[name].arguments
     if not least <= given <= most:
-        wanted = "one argument" if most == 1 else f"2 to {MAX_ARGUMENTS} arguments"
+        wanted = "one argument" if most == 1 else f"{least} to {most} arguments"
         what = f"{excerpt(text, *place)}: {name} takes {wanted}, not {given}"
         raise ExpressionError(what, f"write {name} with {wanted}")
 

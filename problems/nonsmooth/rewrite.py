@@ -1,10 +1,11 @@
 """abs, min and max made consistent, for any expression of a problem (paper, sections 5.5 and 8.5-8.6).
 
 Each occurrence that varies is replaced in the tree of its expression, before parameters are bound to it. By smoothing,
-it becomes an operation of stand_ins.py. By slack variables, |y| becomes s1 + s2 with s1, s2 >= 0 and y - s1 + s2 = 0:
-two controls and a path constraint, or two static parameters and a boundary constraint where y is taken at the ends of
-time or does not vary. Then s1 + s2 >= |y| only, which is as good where the problem gains by making it small: a small
-value must nowhere raise a minimised objective, nor be needed to keep a constraint. Whether it is so, `Monotone` tells.
+it becomes an operation of `expressions.smooth`. By slack variables, |y| becomes s1 + s2 with s1, s2 >= 0 and
+y - s1 + s2 = 0: two controls and a path constraint, or two static parameters and a boundary constraint where y is taken
+at the ends of time or does not vary. Then s1 + s2 >= |y| only, which is as good where the problem gains by making it
+small: a small value must nowhere raise a minimised objective, nor be needed to keep a constraint. Whether it is so,
+`Monotone` tells.
 Elsewhere s1 s2 <= 0 is added, which makes the sum exact and the problem harder.
 """
 
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count as numbers_from
 
 from ..expressions.expression import Expression
-from ..expressions.slips import INCONSISTENT
+from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Name, Node, Number, Operation, Step, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
@@ -25,7 +26,7 @@ from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .signs import EITHER, NEGATIVE, POSITIVE, Monotone, Signs, negative, product
+from .signs import Monotone, negative, product
 
 NONNEGATIVE = Range(lower=0.0)
 
@@ -68,7 +69,7 @@ def refused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def occurrences(root: Node, symbols: Symbols) -> Iterator[Operation]:
     """abs, min and max of anything that is not a constant."""
     for node in nodes(root):
-        if isinstance(node, Operation) and node.symbol in INCONSISTENT and not symbols.constant(node):
+        if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.constant(node):
             yield node
 
 
@@ -108,7 +109,7 @@ class _Smooth:
         """The tree without abs, min and max. wanted: the signs of the slope of what is minimised by this node."""
         parts = zip(below(node), self.slopes(node), strict=True)
         new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
-        nonsmooth = isinstance(node, Operation) and node.symbol in INCONSISTENT and not self.symbols.constant(node)
+        nonsmooth = isinstance(node, Operation) and is_inconsistent(node.symbol) and not self.symbols.constant(node)
         return self.replaced(self._constants_first(new), wanted) if nonsmooth else new
 
     def _constants_first(self, node: Operation) -> Operation:
@@ -154,10 +155,11 @@ class _Slack(_Smooth):
         return self.monotone.slopes(node)
 
     def replaced(self, node: Operation, wanted: Signs) -> Node:
-        if node.symbol == "abs":
+        row = FUNCTIONS[node.symbol]
+        if row.arguments == (1, 1):
             return self._sum(node, node.operands[0], wanted)
         operands, sums = node.operands, []
-        of_abs = wanted if node.symbol == "max" else negative(wanted)
+        of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
             difference = Chain(node.start, node.stop, so_far, (Step(node.start, node.stop, "-", operands[k]),))

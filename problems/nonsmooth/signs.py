@@ -9,15 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs
 from ..expressions.tree import Chain, Name, Node, Operation, below
 from ..problem import Range
-
-Signs = frozenset[int]
-POSITIVE, NEGATIVE, EITHER = frozenset({1}), frozenset({-1}), frozenset({1, -1})
-
-_SIGN_KEPT = ("sinh", "tanh", "asin", "atan", "-")
-_POSITIVE = ("exp", "sqrt", "cosh", "acos", "abs")
-_RISING = ("exp", "log", "sqrt", "sinh", "tanh", "asin", "atan", "min", "max")
 
 
 def product(a: Signs, b: Signs) -> Signs:
@@ -78,18 +72,10 @@ class Monotone:
         return self._known[name]
 
     def _of_operation(self, symbol: str, operands: tuple[Node, ...]) -> Signs:
-        if symbol in _POSITIVE:
-            return POSITIVE
-        found = [self.signs(operand) for operand in operands]
-        if symbol in _SIGN_KEPT:
-            return negative(found[0]) if symbol == "-" else found[0]
         if symbol == "**":
             return self._of_power(*operands)
-        if symbol == "max":
-            return POSITIVE if POSITIVE in found else EITHER
-        if symbol == "min":
-            return NEGATIVE if NEGATIVE in found else EITHER
-        return EITHER
+        found = [self.signs(operand) for operand in operands]
+        return negative(found[0]) if symbol == "-" else FUNCTIONS[symbol].sign(found)
 
     def _of_power(self, base: Node, exponent: Node) -> Signs:
         n = self.constant(exponent)
@@ -134,8 +120,4 @@ class Monotone:
         return [by_base, by_exponent]
 
     def _slope(self, symbol: str, operand: Node) -> Signs:
-        if symbol in _RISING:
-            return POSITIVE
-        if symbol in ("-", "acos"):
-            return NEGATIVE
-        return self.signs(operand) if symbol in ("abs", "cosh") else EITHER
+        return NEGATIVE if symbol == "-" else FUNCTIONS[symbol].slope(self.signs(operand))
