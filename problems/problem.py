@@ -149,7 +149,7 @@ class Phase:
         time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
 
-    def values(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
+    def arguments(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
         """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}
         inputs = {variable.name: row for variable, row in zip(self.inputs, u, strict=True)}
@@ -157,7 +157,7 @@ class Phase:
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
         """f(t, x, u, p), shape (n_x, ...)."""
-        values = self.values(t, x, u, p)
+        values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
             return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])
 

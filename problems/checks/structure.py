@@ -7,11 +7,11 @@ from typing import Any
 
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
-from ..models import find
+from ..models import find_model
 from ..models.model import Model
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
-from ..nonsmooth.rewrite import consistent, refused
+from ..nonsmooth.rewrite import consistent, untreated
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
@@ -20,15 +20,15 @@ from ..yaml.locations import Finding
 _SHOWN = 5
 
 
-def check(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
+def structure_mistakes(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
     """Every mistake. numbers: path -> value of the constants that have one."""
-    found = [*refused(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+    found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
     if spec.solver.engine == "newton":
         found += _inequalities(spec, symbols, numbers)
-    return [*found, *(_model(spec, find(spec.model)) if spec.model else _residuals(spec, symbols))]
+    return [*found, *(_model(spec, find_model(spec.model)) if spec.model else _residuals(spec, symbols))]
 
 
-def warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
+def structure_warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
     """What is odd in a spec without mistakes."""
     return [*consistent(spec, symbols).warnings, *_high_index(spec, symbols)]
 
@@ -37,7 +37,7 @@ def _widths(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """alpha or beta: positive, and one, or one for each entry of the mesh schedule."""
     if spec.nonsmooth is None or not spec.nonsmooth.widths:
         return
-    path, meshes = ("nonsmooth", spec.nonsmooth.kind), len(spec.mesh)
+    path, meshes = ("nonsmooth", spec.nonsmooth.treatment), len(spec.mesh)
     given = len(spec.nonsmooth.widths)
     if given not in (1, meshes):
         what = f"there are {given} values for {_count(meshes, 'entry')} of the mesh schedule"
@@ -54,7 +54,7 @@ def _tolerance(spec: Spec) -> Iterator[Finding]:
         yield Finding(("solver", "tol"), "the tolerance of the solver belongs to the mesh", remedy)
 
 
-def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+def scaling_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Sizes are given for unknowns only; with `nonsmooth`, for a spec that is otherwise right."""
     if not isinstance(spec.scaling, dict):
         return
@@ -78,7 +78,7 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
             what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
             at = (*path, "lower" if lower is not None else "upper") if bounds else path
             yield Finding(at, what, remedy)
-    if spec.nonsmooth and spec.nonsmooth.kind == SLACK:
+    if spec.nonsmooth and spec.nonsmooth.treatment == SLACK:
         what = "the Newton engine takes no bounds, and slack variables have them"
         yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")
     for group in (symbols.equations.path, symbols.equations.boundary) if symbols.equations else ():

@@ -10,7 +10,7 @@ from typing import Any
 from ..expressions.expression import Expression
 from ..expressions.slips import MAX_NAME, RESERVED
 from ..expressions.tree import leaves
-from ..models import find
+from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
@@ -27,16 +27,16 @@ NO_STATES = Finding(
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
-_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # kinds that should stand in expressions
+_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # roles that should stand in expressions
 
 
-def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
+def check_spec(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
     if not spec.model and not spec.states:
         return [NO_STATES], []
     checker = _Checker(spec)
     checker.names()
-    checker.values()
+    checker.constants()
     checker.varying_at_ends()
     checker.time()
     for declared in checker.declared():
@@ -51,14 +51,14 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     checker.static_guesses()
     checker.guess_names()
     checker.guess_values()
-    checker.errors += structure.check(spec, checker.symbols, checker.numbers)
+    checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
     if not (spec.nonsmooth and checker.errors):
-        checker.errors += structure.scaling(spec, checker.symbols)
+        checker.errors += structure.scaling_mistakes(spec, checker.symbols)
     if not checker.errors:
         checker.objective()
         checker.constant_constraints()
         checker.unused()
-        checker.warnings += structure.warnings(spec, checker.symbols)
+        checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
 
@@ -80,7 +80,7 @@ class _Checker:
     def names(self) -> None:
         """Names are words, not reserved, and each declared once."""
         spec, first = self.spec, {}
-        model = find(spec.model) if spec.model else None
+        model = find_model(spec.model) if spec.model else None
         for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
@@ -110,7 +110,7 @@ class _Checker:
         """Every variable over time."""
         return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
 
-    def values(self) -> None:
+    def constants(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
         for path, expression, context in uses(self.spec):
             if path[0] in ("parameters", "expressions") or not self.symbols.sound(path, expression):
@@ -279,9 +279,9 @@ class _Checker:
         """Names that are declared and then play no part."""
         named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
         if self.spec.model:
-            model = find(self.spec.model)
+            model = find_model(self.spec.model)
             named |= {*model.parameters, *model.controls, *model.algebraic}
-        for name, kind in self.symbols.kinds.items():
-            if kind in _USED and name not in named:
-                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(kind, kind + "s")
-                self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
+        for name, role in self.symbols.roles.items():
+            if role in _USED and name not in named:
+                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(role, role + "s")
+                self.warn((group, name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression")

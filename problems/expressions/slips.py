@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import keyword
 import re
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from ..text import did_you_mean, excerpt, nearest, shorten
 from .functions import FUNCTIONS, is_inconsistent, smooth_names
@@ -84,15 +84,15 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """kind: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
+    """category: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
 
-    kind: str
+    category: str
     text: str
     start: int
     stop: int
 
 
-def check(text: str) -> None:
+def check_syntax(text: str) -> None:
     """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression."""
     if not text:
         raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
@@ -113,20 +113,20 @@ def check(text: str) -> None:
 
 def _tokens(text: str) -> list[Token]:
     """All tokens, with an empty one at either end so that every token has neighbours."""
-    found = [Token(m.lastgroup, m[m.lastgroup], *m.span(m.lastgroup)) for m in _TOKEN.finditer(text)]
+    found = [Token(group := str(m.lastgroup), m[group], *m.span(group)) for m in _TOKEN.finditer(text)]
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
-def _fail(text: str, first: Token, last: Token, what: str, remedy: str):
+def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:
     raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
 
 
 def _check_token(text: str, token: Token) -> None:
-    if token.kind == "other":
+    if token.category == "other":
         _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
     if token.text == "//":
         _fail(text, token, token, "// is not an operator", "write / for a division")
-    if token.kind == "name" and keyword.iskeyword(token.text):
+    if token.category == "name" and keyword.iskeyword(token.text):
         _fail(
             text,
             token,
@@ -136,7 +136,7 @@ def _check_token(text: str, token: Token) -> None:
         )
     if len(token.text) > MAX_NAME:
         _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
-    if token.kind == "number" and float(token.text) > MAX_NUMBER:
+    if token.category == "number" and float(token.text) > MAX_NUMBER:
         _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
 
 
@@ -169,7 +169,7 @@ def _separated(tokens: list[Token]) -> list[Token]:
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
-        marked.append(token._replace(kind="separator") if separates else token)
+        marked.append(token._replace(category="separator") if separates else token)
     return marked
 
 
@@ -185,7 +185,7 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
     """The rules that need a token and the ones beside it: `before` has been checked, `token` is next."""
     if token.text == ".":
         _check_dot(text, before, token, after)
-    elif token.text == "," and token.kind != "separator":
+    elif token.text == "," and token.category != "separator":
         remedy = "write 0.5, not 0,5, and give a function one argument"
         _fail(text, before, after, "a comma has no meaning here", remedy)
     elif token.text == "[":
@@ -199,15 +199,15 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
 
 
 def _ends_operand(token: Token) -> bool:
-    return token.kind in ("number", "name") or token.text in (")", "]")
+    return token.category in ("number", "name") or token.text in (")", "]")
 
 
 def _starts_operand(token: Token) -> bool:
-    return token.kind in ("number", "name") or token.text == "("
+    return token.category in ("number", "name") or token.text == "("
 
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
-    if before.kind == "name" and after.kind == "name":
+    if before.category == "name" and after.category == "name":
         remedy = f"write {after.text}" if after.text in smooth_names() else "write a plain name"
         _fail(text, before, after, "expressions know no modules and no attributes", remedy)
     _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
@@ -216,7 +216,7 @@ def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
 def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> None:
     close = text.find("]", bracket.start)
     inside = text[bracket.stop : close].strip()
-    if before.kind != "name":
+    if before.category != "name":
         _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
@@ -226,15 +226,15 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
 
 def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
     """Two operands side by side: a call, or a missing operator."""
-    if token.text == "(" and before.kind == "name":
+    if token.text == "(" and before.category == "name":
         if before.text not in FUNCTIONS:
             _check_call(text, before, token)
         return
     if before.text in FUNCTIONS:
-        argument = token.text if token.kind != "number" or after.kind != "name" else token.text + after.text
+        argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
-    if token.kind == "name" and after.text == "(":
+    if token.category == "name" and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
@@ -266,9 +266,9 @@ def _argument(text: str, bracket: Token) -> str:
 
 def _check_missing(text: str, before: Token, token: Token) -> None:
     """An operator without its operand."""
-    if before.kind == "end":
+    if before.category == "end":
         _fail(text, token, token, f"the expression starts with {token.text}", "write what stands before it")
-    if token.kind == "end":
+    if token.category == "end":
         _fail(text, before, before, f"the expression ends with {before.text}", "write what stands after it")
     if before.text + token.text == "()":
         _fail(text, before, token, "there is nothing between the parentheses", "write a value between them")

@@ -19,19 +19,19 @@ from .functions import FUNCTIONS, FunctionRow
 SLACK, TANH, SQRT = "slack", "tanh", "sqrt"
 
 
-def stand_in(symbol: str, kind: str) -> str:
+def stand_in(symbol: str, treatment: str) -> str:
     """The name of the operation that stands in for abs, min or max."""
-    return f"{symbol} {kind}"
+    return f"{symbol} {treatment}"
 
 
-def smooth_abs(kind: str, functions: Any, y: Any, width: Any) -> Any:
+def smooth_abs(treatment: str, functions: Any, y: Any, width: Any) -> Any:
     """|y| by (8.12) or (8.13)."""
-    return y * functions.tanh(y / width) if kind == TANH else functions.sqrt(y**2 + width**2)
+    return y * functions.tanh(y / width) if treatment == TANH else functions.sqrt(y**2 + width**2)
 
 
-def _smooth(row: FunctionRow, kind: str, functions: Any, operands: Sequence[Any]) -> Any:
+def _smooth(row: FunctionRow, treatment: str, functions: Any, operands: Sequence[Any]) -> Any:
     *values, width = operands
-    return row.from_abs(values, lambda y: smooth_abs(kind, functions, y, width))
+    return row.from_abs(values, lambda y: smooth_abs(treatment, functions, y, width))
 
 
 def _slack(row: FunctionRow, functions: Any, operands: Sequence[Any]) -> Any:
@@ -44,6 +44,10 @@ def _slack(row: FunctionRow, functions: Any, operands: Sequence[Any]) -> Any:
 _INCONSISTENT = [row for row in FUNCTIONS.values() if row.in_abs]
 
 STAND_INS = {
-    **{stand_in(row.name, kind): partial(_smooth, row, kind) for row in _INCONSISTENT for kind in (TANH, SQRT)},
+    **{
+        stand_in(row.name, treatment): partial(_smooth, row, treatment)
+        for row in _INCONSISTENT
+        for treatment in (TANH, SQRT)
+    },
     **{stand_in(row.name, SLACK): partial(_slack, row) for row in _INCONSISTENT if row.arguments != (1, 1)},
 }

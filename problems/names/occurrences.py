@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
-from ..schema.spec import Constraint, Spec
+from ..schema.sections import ConstraintEntry
+from ..schema.spec import Spec
 from ..schema.values import Entry
 from ..yaml.document import Path
 
@@ -49,7 +50,7 @@ def uses(spec: Spec) -> Iterator[Use]:
                 yield Use((*path, key), bound, CONSTANT)
 
 
-def constraints(spec: Spec) -> Iterator[tuple[Path, Constraint]]:
+def constraints(spec: Spec) -> Iterator[tuple[Path, ConstraintEntry]]:
     """Every constraint with its path, such as ("constraints", "path", 0)."""
     for kind in ("path", "boundary", "integral"):
         for i, constraint in enumerate(getattr(spec.constraints, kind)):
@@ -91,7 +92,7 @@ def residual_names(spec: Spec) -> list[str]:
     return _names(spec.residuals, "residual")
 
 
-def _names(entries: Sequence[Constraint | Residual], default: str) -> list[str]:
+def _names(entries: Sequence[ConstraintEntry | Residual], default: str) -> list[str]:
     names: list[str] = []
     taken = {entry.name for entry in entries}
     for entry in entries:

@@ -11,9 +11,9 @@ from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, rate_of
-from ..models import find
+from ..models import find_model
 from ..models.model import Quantity
-from ..schema.declarations import Algebraic, Control, State, Velocity
+from ..schema.declarations import Algebraic, Control, StateEntry, Velocity
 from ..schema.spec import Spec
 from ..yaml.document import Path
 
@@ -55,7 +55,7 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
     if spec.model:
         return tuple(
             DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry)
-            for name, entry, quantity in _of_model(spec.states, State(), find(spec.model).states)
+            for name, entry, quantity in _of_model(spec.states, StateEntry(), find_model(spec.model).states)
         )
     positions, velocities = [], []
     for name, state in spec.states.items():
@@ -95,7 +95,7 @@ def _inputs(group: str, spec: Spec, empty: Any) -> tuple[Declared, ...]:
         return tuple(Declared(name, (group, name), entry.unit, entry) for name, entry in given.items())
     return tuple(
         Declared(name, (group, name), entry.unit or quantity.unit, entry)
-        for name, entry, quantity in _of_model(given, empty, getattr(find(spec.model), group))
+        for name, entry, quantity in _of_model(given, empty, getattr(find_model(spec.model), group))
     )
 
 

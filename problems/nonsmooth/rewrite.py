@@ -18,7 +18,7 @@ from itertools import count as numbers_from
 from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Name, Node, Number, Operation, Step, below, nodes, rebuilt
+from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
 from ..names.symbols import Symbols
 from ..problem import Constraint, Range, Variable
@@ -57,7 +57,7 @@ class Consistent:
     warnings: list[Finding] = field(default_factory=list)
 
 
-def refused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+def untreated(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The occurrences of abs, min and max in a file that does not say how they become consistent."""
     for path, expression, context in uses(spec):
         found = next(occurrences(expression.root, symbols), None)
@@ -69,7 +69,7 @@ def refused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def occurrences(root: Node, symbols: Symbols) -> Iterator[Operation]:
     """abs, min and max of anything that is not a constant."""
     for node in nodes(root):
-        if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.constant(node):
+        if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
             yield node
 
 
@@ -80,7 +80,7 @@ def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
     """
     if spec.nonsmooth is None:
         return Consistent(definitions=symbols.definitions)
-    return (_Slack(spec, symbols) if spec.nonsmooth.kind == SLACK else _Smooth(spec, symbols, mesh)).run()
+    return (_Slack(spec, symbols) if spec.nonsmooth.treatment == SLACK else _Smooth(spec, symbols, mesh)).run()
 
 
 class _Smooth:
@@ -109,12 +109,12 @@ class _Smooth:
         """The tree without abs, min and max. wanted: the signs of the slope of what is minimised by this node."""
         parts = zip(below(node), self.slopes(node), strict=True)
         new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
-        nonsmooth = isinstance(node, Operation) and is_inconsistent(node.symbol) and not self.symbols.constant(node)
+        nonsmooth = isinstance(node, Operation) and is_inconsistent(node.symbol) and not self.symbols.is_constant(node)
         return self.replaced(self._constants_first(new), wanted) if nonsmooth else new
 
     def _constants_first(self, node: Operation) -> Operation:
         """min and max of the constants among the operands stay exact: one operand for all of them."""
-        constants = [n for n in node.operands if self.symbols.constant(n)]
+        constants = [n for n in node.operands if self.symbols.is_constant(n)]
         if len(constants) < 2:
             return node
         rest = (n for n in node.operands if n not in constants)
@@ -125,7 +125,9 @@ class _Smooth:
 
     def replaced(self, node: Operation, wanted: Signs) -> Node:
         width = Number(node.start, node.stop, self.width)
-        return replace(node, symbol=stand_in(node.symbol, self.spec.nonsmooth.kind), operands=(*node.operands, width))
+        return replace(
+            node, symbol=stand_in(node.symbol, self.spec.nonsmooth.treatment), operands=(*node.operands, width)
+        )
 
 
 class _Slack(_Smooth):
@@ -134,10 +136,10 @@ class _Slack(_Smooth):
     def __init__(self, spec: Spec, symbols: Symbols):
         super().__init__(spec, symbols)
         trees = {name: expression.root for name, expression in symbols.definitions.items()}
-        self.monotone = Monotone(_ranges(spec, symbols), symbols.value, trees)
+        self.monotone = Monotone(_ranges(spec, symbols), symbols.constant_value, trees)
         self.nonsmooth = self._nonsmooth(trees)
         self.wanted = self._wanted()
-        self.taken = {*symbols.kinds, *constraint_names(spec)}
+        self.taken = {*symbols.roles, *constraint_names(spec)}
         self.use = Use((), Expression("", Number(0, 0, 0.0)), CONSTANT)
 
     def definition(self, name: str, expression: Expression) -> Expression:
@@ -162,27 +164,27 @@ class _Slack(_Smooth):
         of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
-            difference = Chain(node.start, node.stop, so_far, (Step(node.start, node.stop, "-", operands[k]),))
+            difference = Chain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
             sums.append(self._sum(node, difference, of_abs))
         return _extreme(node, operands, sums)
 
     def _sum(self, node: Operation, y: Node, wanted: Signs) -> Node:
         """s1 + s2 for |y|, and what it needs."""
-        place, text = (node.start, node.stop), self.use.expression.text
+        span, text = (node.start, node.stop), self.use.expression.text
         stem = self._stem(node.symbol)
-        plus, minus = (Name(*place, f"{stem}_{side}", None) for side in ("plus", "minus"))
+        plus, minus = (Name(*span, f"{stem}_{side}", None) for side in ("plus", "minus"))
         over_time = self.use.context != BOUNDARY and any(self._varies(n) for n in nodes(y))
         variables, relations = self.found.controls, self.found.path
         if not over_time:
             variables, relations = self.found.parameters, self.found.boundary
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
-        definition = Chain(*place, y, (Step(*place, "-", plus), Step(*place, "+", minus)))  # (8.11)
+        definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
         relations.append(Constraint(stem, Expression(text, definition), Range(0.0, 0.0)))
         if -1 in wanted:
-            both = Expression(text, Chain(*place, plus, (Step(*place, "*", minus),)))
+            both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
             relations.append(Constraint(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
-        return Chain(*place, plus, (Step(*place, "+", minus),))  # (8.9)
+        return Chain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
 
     def _warn(self, node: Operation, stem: str) -> None:
         where = excerpt(self.use.expression.text, node.start, node.stop)
@@ -266,7 +268,7 @@ def _moved(tree: Node, name: Name, varies) -> Node:
         return replace(name, name=tree.name, end=name.end if varies(tree.name) else None)
     new = rebuilt(tree, [_moved(node, name, varies) for node in below(tree)])
     if isinstance(new, Chain):
-        new = replace(new, steps=tuple(replace(step, start=name.start, stop=name.stop) for step in new.steps))
+        new = replace(new, links=tuple(replace(link, start=name.start, stop=name.stop) for link in new.links))
     return replace(new, start=name.start, stop=name.stop)
 
 

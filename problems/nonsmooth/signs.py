@@ -86,24 +86,24 @@ class Monotone:
     def _partial(self, chain: Chain) -> list[Signs]:
         """The signs of first, of first + second, and so on."""
         found = [self.signs(chain.first)]
-        for step in chain.steps:
-            operand = self.signs(step.operand)
-            if step.symbol in "*/":
+        for link in chain.links:
+            operand = self.signs(link.operand)
+            if link.symbol in "*/":
                 found.append(product(found[-1], operand))
             else:
-                found.append(found[-1] | (operand if step.symbol == "+" else negative(operand)))
+                found.append(found[-1] | (operand if link.symbol == "+" else negative(operand)))
         return found
 
     def _slopes_of_chain(self, chain: Chain) -> list[Signs]:
         slopes, above = [], POSITIVE
-        for step, left in zip(reversed(chain.steps), reversed(self._partial(chain)[:-1]), strict=True):
-            operand = self.signs(step.operand)
-            if step.symbol == "/":
+        for link, left in zip(reversed(chain.links), reversed(self._partial(chain)[:-1]), strict=True):
+            operand = self.signs(link.operand)
+            if link.symbol == "/":
                 by_operand = negative(left) if operand != EITHER else EITHER
             else:
-                by_operand = {"+": POSITIVE, "-": NEGATIVE, "*": left}[step.symbol]
+                by_operand = {"+": POSITIVE, "-": NEGATIVE, "*": left}[link.symbol]
             slopes.append(product(above, by_operand))
-            above = product(above, operand) if step.symbol in "*/" else above
+            above = product(above, operand) if link.symbol in "*/" else above
         return [above, *reversed(slopes)]
 
     def _slopes_of_power(self, base: Node, exponent: Node) -> list[Signs]:

@@ -67,7 +67,7 @@ class Velocity(Entry):
     note: Text = Field("", description=NOTE)
 
 
-class State(Entry):
+class StateEntry(Entry):
     """A state, given by its rate of change, by its acceleration, or by residuals."""
 
     unit: Text = Field("", description=UNIT)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from ..text import brief, did_you_mean
-from ..yaml.document import kind
+from ..yaml.document import in_words
 from .values import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
 MAX_MESHES = 100
@@ -19,21 +19,21 @@ DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 def _count(largest: int, of: str) -> Any:
     """The type of a whole number from 1 to the largest."""
 
-    def check(value: Any) -> int:
-        whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
-        if not whole or not 1 <= value <= largest:
-            what = f"this is no number of {of}: {kind(value)}"
+    def whole(value: Any) -> int:
+        is_whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+        if not is_whole or not 1 <= value <= largest:
+            what = f"this is no number of {of}: {in_words(value)}"
             raise mistake(what, f"write a whole number from 1 to {largest}")
         return int(value)
 
     schema = {"type": "integer", "minimum": 1, "maximum": largest}
-    return Annotated[Any, PlainValidator(check), WithJsonSchema(schema)]
+    return Annotated[Any, PlainValidator(whole), WithJsonSchema(schema)]
 
 
 Substeps, Meshes = _count(MAX_SUBSTEPS, "substeps"), _count(MAX_MESHES, "meshes")
 
 
-class Mesh(Entry):
+class MeshEntry(Entry):
     """One entry of the mesh schedule."""
 
     method: Text = Field(description="collocation method, or shooting; `trajopt methods` lists them")
@@ -81,7 +81,7 @@ class Mesh(Entry):
         return value
 
 
-class Refine(Entry):
+class RefineEntry(Entry):
     """Solve on finer and finer meshes after the schedule, until the error estimate meets a tolerance everywhere."""
 
     tolerance: Number = Field(

@@ -19,7 +19,7 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.slips import ExpressionError
-from ..yaml.document import kind, scalar
+from ..yaml.document import in_words, scalar
 
 MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
@@ -34,7 +34,7 @@ def mistake(what: str, remedy: str) -> PydanticCustomError:
 def _number(value: Any) -> float:
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise mistake(f"this must be a number, not {kind(value)}", "write a number such as 0.5 or 1.0e-8")
+        raise mistake(f"this must be a number, not {in_words(value)}", "write a number such as 0.5 or 1.0e-8")
     if not math.isfinite(value):
         raise mistake(f"this must be a finite number, not {value}", "write a finite number, or leave the key out")
     return float(value)
@@ -50,7 +50,9 @@ def _formula(value: Any) -> Expression:
     if isinstance(value, float) and math.isnan(value):
         raise mistake("NaN is not a number", "write a finite number or an expression")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise mistake(f"this must be a number or an expression, not {kind(value)}", "write for example 0.5 or 2*pi*f")
+        raise mistake(
+            f"this must be a number or an expression, not {in_words(value)}", "write for example 0.5 or 2*pi*f"
+        )
     try:
         return parse(value if isinstance(value, str) else repr(value))
     except ExpressionError as error:
@@ -74,7 +76,7 @@ def _segments(value: Any) -> int | tuple[float, ...]:
             raise mistake("a segment width is zero or negative", "write positive relative widths such as [1, 2, 1]")
         return widths
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0:
-        raise mistake(f"this must be a whole number or a list of widths, not {kind(value)}", "write for example 25")
+        raise mistake(f"this must be a whole number or a list of widths, not {in_words(value)}", "write for example 25")
     if not 1 <= value <= MAX_SEGMENTS:
         raise mistake(f"{value:g} segments are asked for", f"ask for 1 to {MAX_SEGMENTS}")
     return int(value)
@@ -85,7 +87,7 @@ def _option(value: Any) -> int | float | str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise mistake(f"a solver's option cannot be {kind(value)}", "write a finite number, a word, or yes or no")
+        raise mistake(f"a solver's option cannot be {in_words(value)}", "write a finite number, a word, or yes or no")
     return value
 
 
@@ -108,7 +110,9 @@ def _degree(value: Any) -> int | tuple[int, ...]:
     if isinstance(value, list):
         return tuple(_degree(item) for item in value)
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_DEGREE:
-        raise mistake(f"the degree is {kind(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them")
+        raise mistake(
+            f"the degree is {in_words(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them"
+        )
     return int(value)
 
 
@@ -119,7 +123,7 @@ def _scaling(value: Any) -> str | dict[str, float]:
             raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
         return sizes
     if value not in ("none", "auto"):
-        raise mistake(f"this must be none, auto, or sizes by name, not {kind(value)}", "write for example auto")
+        raise mistake(f"this must be none, auto, or sizes by name, not {in_words(value)}", "write for example auto")
     return value
 
 

@@ -79,13 +79,13 @@ def decode(content: bytes, file: str) -> str:
     return text
 
 
-def read(text: str, file: str) -> Document:
+def read_document(text: str, file: str) -> Document:
     """The one mapping that the text holds. Raises SpecError; `file` is the name used in its messages."""
     data, lines = _compose(text, file)
     if data is None:
         raise SpecError(Mistake(file, "the file is empty", "start from an example: trajopt init NAME"))
     if not isinstance(data, dict):
-        what = f"the file holds {kind(data)}, not a mapping"
+        what = f"the file holds {in_words(data)}, not a mapping"
         raise SpecError(Mistake(f"{file}:1", what, "write keys such as name: and states: at its left margin"))
     return Document(data, lines)
 
@@ -101,7 +101,7 @@ def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
     return data, composer.lines
 
 
-def value(text: str, where: str) -> Any:
+def value_of(text: str, where: str) -> Any:
     """The value that a piece of YAML on the command line means. Raises SpecError at `where`."""
     try:
         return _compose(text, where)[0]
@@ -119,7 +119,7 @@ def scalar(text: str) -> Any:
     return float(text) if _FLOAT.fullmatch(text) else text
 
 
-def kind(value: Any) -> str:
+def in_words(value: Any) -> str:
     """What a value is, in words, for messages."""
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -130,7 +130,7 @@ def kind(value: Any) -> str:
     return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
 
 
-def show(path: Path) -> str:
+def dotted(path: Path) -> str:
     """A path as the user writes it: mesh.0.segments."""
     return ".".join(map(brief, path))
 
@@ -175,7 +175,7 @@ class _Composer:
 
     def node(self, event: yaml.Event, path: Path) -> Any:
         """The value that starts with this event."""
-        self.check(event, path)
+        self.check_event(event, path)
         if isinstance(event, yaml.AliasEvent):
             return self.alias(event)
         before = self.nodes
@@ -202,12 +202,12 @@ class _Composer:
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent):
                 self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
-            self.check(event, path)
+            self.check_event(event, path)
             here = (*path, event.value)
             line = event.start_mark.line + 1
             if event.value in entries:
                 what = f"the key is given twice, first on line {self.lines[here]}"
-                self.mistakes.append(Mistake(f"{self.file}:{line}: {show(here)}", what, "remove one of them"))
+                self.mistakes.append(Mistake(f"{self.file}:{line}: {dotted(here)}", what, "remove one of them"))
                 self.node(next(self.events), here)
                 continue
             self.lines[here] = line
@@ -225,7 +225,7 @@ class _Composer:
         self.check_size(event)
         return copy.deepcopy(value)
 
-    def check(self, event: yaml.Event, path: Path) -> None:
+    def check_event(self, event: yaml.Event, path: Path) -> None:
         self.nodes += 1
         self.check_size(event)
         if len(path) > MAX_DEPTH:

@@ -262,12 +262,12 @@ def _point_values(trajectory: Trajectory) -> dict:
     points = trajectory.mesh.collocated
     points = points[np.isfinite(np.vstack([trajectory.x, trajectory.u])[:, points]).all(axis=0)]
     x, u = trajectory.x[:, points], trajectory.u[:, points]
-    return trajectory.phase.values(trajectory.times[points], x, u, trajectory.parameters)
+    return trajectory.phase.arguments(trajectory.times[points], x, u, trajectory.parameters)
 
 
 def _end_values(trajectory: Trajectory) -> dict:
     """Names such as "q1[final]" -> values, shape (1,)."""
-    rows = trajectory.phase.values(trajectory.times, trajectory.x, trajectory.u, {})
+    rows = trajectory.phase.arguments(trajectory.times, trajectory.x, trajectory.u, {})
     ends = {
         f"{name}[{end}]": values[[k]]
         for name, values in rows.items()
