@@ -9,7 +9,7 @@ from .guess import initial_guess
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
-from .nonsmooth.rewrite import Consistent, consistent
+from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -37,7 +37,7 @@ class _Builder:
     spec: Spec
     mesh: int
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.symbols = Symbols(self.spec)
         self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh)
         self.added = frozenset(p.name for p in self.rewritten.parameters)
@@ -106,8 +106,10 @@ class _Builder:
         )
 
     def rate(self, state: DeclaredState) -> Function:
+        equations = self.symbols.equations
         if state.rate is None:
-            return self.symbols.equations.rates[state.name]
+            assert equations is not None  # a state without an expression for its rate is a model's
+            return equations.rates[state.name]
         return self.function(state.rate_path, state.rate)
 
     def residuals(self) -> tuple[Constraint, ...]:
@@ -131,9 +133,9 @@ class _Builder:
         written: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
         for (path, constraint), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
             function = self.function((*path, "expression"), constraint.expression)
-            written[path[1]].append(Constraint(name, function, self.symbols.range(constraint)))
+            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint)))
         return written
 
-    def slack(self, constraint: Constraint) -> Constraint:
+    def slack(self, relation: Relation) -> Constraint:
         """A constraint on slack variables, its function completed."""
-        return Constraint(constraint.name, self.bound(constraint.function), constraint.bounds)
+        return Constraint(relation.name, self.bound(relation.expression), relation.bounds)

@@ -49,7 +49,8 @@ def keyframe_positions(keyframes: Mapping[str, np.ndarray]) -> np.ndarray:
     """Normalised times s of the keyframes, shape (K,): 0 and 1 where there are none, evenly spaced without `time`."""
     if "time" in keyframes:
         time = keyframes["time"]
-        return (time - time[0]) / (time[-1] - time[0])
+        s: np.ndarray = (time - time[0]) / (time[-1] - time[0])
+        return s
     return np.linspace(0.0, 1.0, len(next(iter(keyframes.values()), (0, 1))))
 
 

@@ -66,7 +66,7 @@ def load_text(
     data.setdefault("name", Path(file).stem)
     early = _unsafe_options(data.get("solver"), locations)
     if options and isinstance(data.get("solver"), dict):
-        early += _refused_options(data["solver"], options, {finding.path[-1] for finding in early})
+        early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
     try:
@@ -97,11 +97,14 @@ def _refused_options(solver: dict[str, Any], options: OptionCheck, known: set[st
     """What the engine itself says of the options that the schema has nothing to say of."""
     own = {*Solver.model_fields, "tol", *known}
     plain = {name: value for name, value in solver.items() if name not in own and isinstance(value, int | float | str)}
-    words = {True: "yes", False: "no"}
-    plain = {name: words[value] if isinstance(value, bool) else value for name, value in plain.items()}
+    plain = {name: _yes_or_no(value) if isinstance(value, bool) else value for name, value in plain.items()}
     engine = solver.get("engine", "ipopt")
     mistakes = options(engine, plain) if engine in ("ipopt", "newton") else ()
     return [Finding(("solver", m.where.removeprefix("solver.")), m.what, m.remedy) for m in mistakes]
+
+
+def _yes_or_no(value: bool) -> str:
+    return "yes" if value else "no"
 
 
 def _read(path: Path) -> str:

@@ -23,6 +23,9 @@ import numpy as np
 
 from .text import shorten
 
+Value = Any
+"""A number, a NumPy array or a Pyomo expression: functions of a problem are written once, for all of them."""
+
 
 class Function(Protocol):
     """A scalar function of named values.
@@ -32,7 +35,7 @@ class Function(Protocol):
     the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
     """
 
-    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any: ...
+    def __call__(self, values: Mapping[str, Value], functions: Any, /) -> Value: ...
 
 
 TOLERATED_EXCESS = 1e-4
@@ -64,7 +67,8 @@ class Range:
         """How far values are outside, relative to 1 + |bound|; zero inside."""
         ends = ((self.lower, self.lower - values), (self.upper, values - self.upper))
         beyond = [gap / (1 + abs(end)) for end, gap in ends if abs(end) < inf]
-        return np.max([*beyond, np.zeros_like(values)], axis=0)
+        excess: np.ndarray = np.max([*beyond, np.zeros_like(values)], axis=0)
+        return excess
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,7 @@ class State(Variable):
     the acceleration.
     """
 
-    rate: Function = None
+    rate: Function = field(kw_only=True)
     initial: Range = Range()
     final: Range = Range()
     velocity_of: str = ""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import NamedTuple
 
+from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
 from ..models import find_model
@@ -13,6 +14,7 @@ from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, untreated
 from ..schema.spec import Spec
+from ..schema.values import Bounded
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -72,7 +74,7 @@ def scaling_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """What Newton's method cannot do: a range of more than one value, of a variable or of a constraint."""
     remedy = "make it one value, remove it, or leave out engine: newton"
-    for path, entry, bounds in _ranges(spec, symbols):
+    for path, entry, bounds in _limited(spec, symbols):
         lower, upper = (numbers.get((*path, key)) for key in ("lower", "upper"))
         if getattr(entry, "equals", None) is None and lower != upper:
             what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
@@ -88,15 +90,23 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
                 yield Finding(("model",), what, "leave out engine: newton")
 
 
-def _ranges(spec: Spec, symbols: Symbols) -> Iterator[tuple[Path, Any, bool]]:
-    """(path, entry, whether it bounds a variable) for all that has lower and upper."""
+class _Limited(NamedTuple):
+    """What has lower and upper, in which place, and whether it bounds a variable rather than a constraint."""
+
+    path: Path
+    entry: Bounded | None
+    of_variable: bool
+
+
+def _limited(spec: Spec, symbols: Symbols) -> Iterator[_Limited]:
+    """All that has lower and upper."""
     for declared in (*symbols.states, *symbols.controls, *symbols.algebraic):
-        yield declared.path, declared.entry, True
-    for path, entry in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
+        yield _Limited(declared.path, declared.entry, True)
+    for path, owner in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
         for end in ("initial", "final"):
-            yield (*path, end), getattr(entry, end), True
-    yield from ((("optimize", name), entry, True) for name, entry in spec.optimize.items())
-    yield from ((path, entry, False) for path, entry in constraints(spec))
+            yield _Limited((*path, end), getattr(owner, end), True)
+    yield from (_Limited(("optimize", name), entry, True) for name, entry in spec.optimize.items())
+    yield from (_Limited(path, entry, False) for path, entry in constraints(spec))
 
 
 def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
@@ -132,7 +142,8 @@ def _count(number: int, noun: str) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    return ", ".join(names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
+    shown = names if len(names) <= _SHOWN else [*names[:_SHOWN], "..."]
+    return ", ".join(shown)
 
 
 def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
@@ -144,7 +155,7 @@ def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
             yield Finding(("residuals", i, "expression"), what, "differentiate it by time until one does")
 
 
-def _names(expression, symbols: Symbols) -> set[str]:
+def _names(expression: Expression, symbols: Symbols) -> set[str]:
     """The names in an expression and in the definitions that it uses."""
     bound = symbols.function(expression)
     trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 from math import inf, isfinite
-from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.slips import MAX_NAME, RESERVED
@@ -15,7 +14,9 @@ from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraint
 from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
+from ..schema.declarations import TimeEnd
 from ..schema.spec import Spec
+from ..schema.values import Bounded
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -27,7 +28,14 @@ NO_STATES = Finding(
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
-_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # roles that should stand in expressions
+# What should stand in some expression: its role, and the section that declares it.
+_USED = {
+    "parameter": "parameters",
+    "expression": "expressions",
+    CONTROL: "controls",
+    ALGEBRAIC: "algebraic",
+    "static parameter": "optimize",
+}
 
 
 def check_spec(spec: Spec) -> tuple[list[Finding], list[Finding]]:
@@ -79,7 +87,8 @@ class _Checker:
 
     def names(self) -> None:
         """Names are words, not reserved, and each declared once."""
-        spec, first = self.spec, {}
+        spec = self.spec
+        first: dict[str, str] = {}
         model = find_model(spec.model) if spec.model else None
         for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
             own = getattr(model, group, {})
@@ -104,7 +113,7 @@ class _Checker:
             self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
-        first.setdefault(name, path[0])
+        first.setdefault(name, str(path[0]))
 
     def declared(self) -> tuple[Declared, ...]:
         """Every variable over time."""
@@ -123,7 +132,9 @@ class _Checker:
     def varying_at_ends(self) -> None:
         """A named expression that varies in time needs [initial] or [final] at the boundary; a constant one none."""
         for path, expression, context in uses(self.spec):
-            for name in leaves(expression.root) if context == BOUNDARY else ():
+            if context != BOUNDARY:
+                continue
+            for name in leaves(expression.root):
                 if name.name not in self.symbols.definitions:
                     continue
                 varies = name.name in self.symbols.varying
@@ -133,12 +144,12 @@ class _Checker:
                 elif name.end and not varies:
                     self.error(path, f"{name.name} is constant and has only one value", f"write {name.name}")
 
-    def bounds(self, path: Path, entry: Any) -> None:
+    def bounds(self, path: Path, entry: Bounded) -> None:
         lower, upper = self.number(path, entry.lower, "lower"), self.number(path, entry.upper, "upper")
         if lower is not None and upper is not None and lower > upper:
             self.error((*path, "lower"), f"lower {lower:g} is above upper {upper:g}", "exchange or change them")
 
-    def range(self, path: Path, entry: Any) -> Range | None:
+    def range(self, path: Path, entry: Bounded | None) -> Range | None:
         """The range of an entry; None where one of its ends is mistaken."""
         if entry is None:
             return Range()
@@ -171,7 +182,7 @@ class _Checker:
                 self.error(path, what, "change it, or lower: and upper: of the state")
 
     def time(self) -> None:
-        entries = {end: getattr(self.spec.time, end) for end in ("initial", "final")}
+        entries = {"initial": self.spec.time.initial, "final": self.spec.time.final}
         for end, entry in entries.items():
             self.bounds(("time", end), entry)
         ranges = {end: self.range(("time", end), entry) for end, entry in entries.items()}
@@ -180,12 +191,12 @@ class _Checker:
             what = f"the final time {final} is not after the initial time {initial}"
             self.error(("time", "final"), what, "make the final time larger")
             return
-        guesses = [self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final")]
-        if None not in guesses and guesses[0] >= guesses[1]:
-            what = f"the guess {guesses[1]:g} of the final time is not after that of the initial time, {guesses[0]:g}"
+        first, last = (self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final"))
+        if first is not None and last is not None and first >= last:
+            what = f"the guess {last:g} of the final time is not after that of the initial time, {first:g}"
             self.error(("time", "final"), what, "give guess: a larger value")
 
-    def time_guess(self, end: str, entry: Any, bounds: Range | None) -> float | None:
+    def time_guess(self, end: str, entry: TimeEnd, bounds: Range | None) -> float | None:
         if bounds is None:
             return None
         if entry.value is None and entry.guess is None and not (isfinite(bounds.lower) and isfinite(bounds.upper)):
@@ -237,10 +248,10 @@ class _Checker:
         """Keyframes have one length and increasing times; guesses lie inside the bounds."""
         rows = {("guess", "constants", name): [value] for name, value in self.spec.guess.constants.items()}
         keyframes = {("guess", "keyframes", name): row for name, row in self.spec.guess.keyframes.items()}
-        first = next(iter(keyframes), None)
+        first, wanted = next(((path[-1], len(row)) for path, row in keyframes.items()), ("", 0))
         for path, row in keyframes.items():
-            if len(row) != len(keyframes[first]):
-                what = f"{path[-1]} has {len(row)} keyframes, {first[-1]} has {len(keyframes[first])}"
+            if len(row) != wanted:
+                what = f"{path[-1]} has {len(row)} keyframes, {first} has {wanted}"
                 self.error(path, what, "give all of them the same number of values")
         declared = {variable.name: variable for variable in self.declared()}
         for path, row in {**rows, **keyframes}.items():
@@ -283,5 +294,6 @@ class _Checker:
             named |= {*model.parameters, *model.controls, *model.algebraic}
         for name, role in self.symbols.roles.items():
             if role in _USED and name not in named:
-                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(role, role + "s")
-                self.warn((group, name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression")
+                self.warn(
+                    (_USED[role], name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression"
+                )

@@ -113,7 +113,8 @@ def check_syntax(text: str) -> None:
 
 def _tokens(text: str) -> list[Token]:
     """All tokens, with an empty one at either end so that every token has neighbours."""
-    found = [Token(group := str(m.lastgroup), m[group], *m.span(group)) for m in _TOKEN.finditer(text)]
+    matches = ((str(m.lastgroup), m) for m in _TOKEN.finditer(text))
+    found = [Token(category, m[category], *m.span(category)) for category, m in matches]
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
@@ -156,7 +157,7 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
                 f"parentheses are nested deeper than {MAX_DEPTH}", "name the inner parts under expressions:"
             )
     if opened:
-        close = {"(": ")", "[": "]"}[opened[-1].text]
+        close = ")" if opened[-1].text == "(" else "]"
         _fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
 
 
@@ -258,7 +259,10 @@ def _argument(text: str, bracket: Token) -> str:
     """The text between an opening parenthesis and its partner, which _check_brackets has found."""
     depth = 0
     for i in range(bracket.start, len(text)):
-        depth += (text[i] == "(") - (text[i] == ")")
+        if text[i] == "(":
+            depth += 1
+        elif text[i] == ")":
+            depth -= 1
         if depth == 0:
             return text[bracket.stop : i]
     return text[bracket.stop :]

@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problem import Range
+from ..problem import Range, Value
 from .model import Equations, Model, Quantity
 
 LINKS = (1, 2, 3, 4, 5)
@@ -69,6 +69,9 @@ STRIKES = {
     "swing_knee": ((1, (1,)), (4, (5,))),  # (F.15)
 }
 
+Carried = tuple[int, tuple[int, ...]]
+"""A pivot and the links whose momentum about it is conserved."""
+
 Reach = tuple[float, ...]
 """(c_1, ..., c_5) in m: the point sum_i c_i e(q_i)."""
 
@@ -76,16 +79,16 @@ Reach = tuple[float, ...]
 class Vector(NamedTuple):
     """A vector in the plane; x and y are numbers, arrays or expressions."""
 
-    x: Any
-    y: Any
+    x: Value
+    y: Value
 
 
-def cross(a: Vector, b: Vector):
+def cross(a: Vector, b: Vector) -> Value:
     """The component of a x b that points out of the plane."""
     return a.x * b.y - a.y * b.x
 
 
-def combine(reach: Reach, vectors: Sequence[Vector]) -> Vector:
+def combine(reach: Sequence[float], vectors: Sequence[Vector]) -> Vector:
     """sum_i reach_i vectors_i: a point of the walker, its velocity or its acceleration."""
     terms = [(c, vector) for c, vector in zip(reach, vectors, strict=True) if c]
     return Vector(sum(c * v.x for c, v in terms), sum(c * v.y for c, v in terms))
@@ -99,11 +102,11 @@ class Motion:
     there are no accelerations.
     """
 
-    values: Mapping[str, Any]
+    values: Mapping[str, Value]
     functions: Any
     end: str = ""
 
-    def row(self, name: str) -> list:
+    def row(self, name: str) -> list[Value]:
         """A quantity of each link, such as "dq"."""
         return [self.values[f"{name}{i}{self.end}"] for i in LINKS]
 
@@ -161,7 +164,9 @@ class Walker:
         """G_i - P_pivot, m."""
         return combine([g - p for g, p in zip(self.G[i - 1], self.P[pivot], strict=True)], e)
 
-    def balance(self, torque: int, pivot: int, links: Sequence[int], values, functions):
+    def balance(
+        self, torque: int, pivot: int, links: Sequence[int], values: Mapping[str, Value], functions: Any
+    ) -> Value:
         """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8)."""
         motion = Motion(values, functions)
         e, dde, ddq = motion.e, motion.dde, motion.row("ddq")
@@ -172,7 +177,7 @@ class Walker:
             moments.append(self.m[i - 1] * cross(self.lever(e, i, pivot), effect) - self.I[i - 1] * ddq[i - 1])
         return values[f"u{torque}"] + sum(moments)
 
-    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]):
+    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]) -> Value:
         """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15)."""
         e, de, dq = motion.e, motion.de, motion.row("dq")
         return sum(
@@ -180,16 +185,16 @@ class Walker:
             for i in links
         )
 
-    def strike(self, before: tuple, after: tuple, values, functions):
+    def strike(self, before: Carried, after: Carried, values: Mapping[str, Value], functions: Any) -> Value:
         """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15)."""
         old, new = (Motion(values, functions, end) for end in (FINAL, INITIAL))
         return self.momentum(old, *before) - self.momentum(new, *after)
 
-    def foot(self, axis: str, end: str, values, functions):
+    def foot(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
         """One coordinate of P5, m."""
         return getattr(combine(self.P[5], Motion(values, functions, end).e), axis)
 
-    def foot_velocity(self, axis: str, end: str, values, functions):
+    def foot_velocity(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
         """One coordinate of the velocity of P5, m/s."""
         return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
@@ -214,11 +219,11 @@ def build(parameters: Mapping[str, float]) -> Equations:
     )
 
 
-def _value(name: str, values, functions):
+def _value(name: str, values: Mapping[str, Value], functions: Any) -> Value:
     return values[name]
 
 
-def _difference(name: str, other: str, values, functions):
+def _difference(name: str, other: str, values: Mapping[str, Value], functions: Any) -> Value:
     return values[name] - values[other]
 
 

@@ -66,7 +66,7 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
-def _constants(value, path: Path) -> Iterator[Use]:
+def _constants(value: object, path: Path) -> Iterator[Use]:
     """The expressions below a path, but for the dynamics."""
     if isinstance(value, Expression):
         yield Use(path, value, CONSTANT)

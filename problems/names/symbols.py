@@ -12,6 +12,7 @@ from ..models import find_model
 from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.spec import Spec
+from ..schema.values import Bounded
 from ..text import nearest, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -118,7 +119,7 @@ class Symbols:
             for name in leaves(root)
         )
 
-    def range(self, entry) -> Range:
+    def range(self, entry: Bounded | None) -> Range:
         """The range of an entry with lower and upper, and perhaps value or equals."""
         if entry is None:
             return Range()

@@ -11,9 +11,10 @@ Elsewhere s1 s2 <= 0 is added, which makes the sum exact and the problem harder.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import count as numbers_from
+from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
@@ -21,7 +22,8 @@ from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
 from ..names.symbols import Symbols
-from ..problem import Constraint, Range, Variable
+from ..problem import Range, Variable
+from ..schema.sections import Nonsmooth
 from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
@@ -40,6 +42,14 @@ _CHOICE = (
 )
 
 
+class Relation(NamedTuple):
+    """A constraint on slack variables, before parameters are bound to its expression."""
+
+    name: str
+    expression: Expression
+    bounds: Range
+
+
 @dataclass
 class Consistent:
     """What takes the place of the expressions of a file, and what is added to its problem.
@@ -52,8 +62,8 @@ class Consistent:
     definitions: dict[str, Expression] = field(default_factory=dict)
     controls: list[Variable] = field(default_factory=list)
     parameters: list[Variable] = field(default_factory=list)
-    path: list[Constraint] = field(default_factory=list)
-    boundary: list[Constraint] = field(default_factory=list)
+    path: list[Relation] = field(default_factory=list)
+    boundary: list[Relation] = field(default_factory=list)
     warnings: list[Finding] = field(default_factory=list)
 
 
@@ -80,15 +90,17 @@ def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
     """
     if spec.nonsmooth is None:
         return Consistent(definitions=symbols.definitions)
-    return (_Slack(spec, symbols) if spec.nonsmooth.treatment == SLACK else _Smooth(spec, symbols, mesh)).run()
+    if spec.nonsmooth.treatment == SLACK:
+        return _Slack(spec, symbols, spec.nonsmooth).run()
+    return _Smooth(spec, symbols, spec.nonsmooth, mesh).run()
 
 
 class _Smooth:
     """Replaces every occurrence by its stand-in; what depends on an expression's place and sign is left to _Slack."""
 
-    def __init__(self, spec: Spec, symbols: Symbols, mesh: int = -1):
-        self.spec, self.symbols, self.found = spec, symbols, Consistent()
-        if widths := spec.nonsmooth.widths:
+    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth, mesh: int = -1):
+        self.spec, self.symbols, self.treatment, self.found = spec, symbols, how.treatment, Consistent()
+        if widths := how.widths:
             self.width = symbols.number(widths[mesh if len(widths) > 1 else 0], 0.0)
 
     def run(self) -> Consistent:
@@ -109,8 +121,9 @@ class _Smooth:
         """The tree without abs, min and max. wanted: the signs of the slope of what is minimised by this node."""
         parts = zip(below(node), self.slopes(node), strict=True)
         new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
-        nonsmooth = isinstance(node, Operation) and is_inconsistent(node.symbol) and not self.symbols.is_constant(node)
-        return self.replaced(self._constants_first(new), wanted) if nonsmooth else new
+        if isinstance(new, Operation) and is_inconsistent(new.symbol) and not self.symbols.is_constant(node):
+            return self.replaced(self._constants_first(new), wanted)
+        return new
 
     def _constants_first(self, node: Operation) -> Operation:
         """min and max of the constants among the operands stay exact: one operand for all of them."""
@@ -125,16 +138,14 @@ class _Smooth:
 
     def replaced(self, node: Operation, wanted: Signs) -> Node:
         width = Number(node.start, node.stop, self.width)
-        return replace(
-            node, symbol=stand_in(node.symbol, self.spec.nonsmooth.treatment), operands=(*node.operands, width)
-        )
+        return replace(node, symbol=stand_in(node.symbol, self.treatment), operands=(*node.operands, width))
 
 
 class _Slack(_Smooth):
     """Replaces every |y| by slack variables; `self.use` is the expression at hand, a definition being one as well."""
 
-    def __init__(self, spec: Spec, symbols: Symbols):
-        super().__init__(spec, symbols)
+    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth):
+        super().__init__(spec, symbols, how)
         trees = {name: expression.root for name, expression in symbols.definitions.items()}
         self.monotone = Monotone(_ranges(spec, symbols), symbols.constant_value, trees)
         self.nonsmooth = self._nonsmooth(trees)
@@ -160,7 +171,8 @@ class _Slack(_Smooth):
         row = FUNCTIONS[node.symbol]
         if row.arguments == (1, 1):
             return self._sum(node, node.operands[0], wanted)
-        operands, sums = node.operands, []
+        operands = node.operands
+        sums: list[Node] = []
         of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
@@ -179,10 +191,10 @@ class _Slack(_Smooth):
             variables, relations = self.found.parameters, self.found.boundary
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
         definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
-        relations.append(Constraint(stem, Expression(text, definition), Range(0.0, 0.0)))
+        relations.append(Relation(stem, Expression(text, definition), Range(0.0, 0.0)))
         if -1 in wanted:
             both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
-            relations.append(Constraint(f"{stem}_complementary", both, Range(upper=0.0)))
+            relations.append(Relation(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
         return Chain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
 
@@ -246,7 +258,7 @@ class _Slack(_Smooth):
             case ("objective", sense, _):
                 return POSITIVE if sense == "minimize" else NEGATIVE
             case ("constraints", kind, i, _):
-                constraint = getattr(self.spec.constraints, kind)[i]
+                constraint = getattr(self.spec.constraints, str(kind))[i]
         if use.path[0] != "constraints":
             return EITHER
         bounds, signs = self.symbols.range(constraint), self.monotone.signs(use.expression.root)
@@ -262,7 +274,7 @@ def _extreme(node: Operation, operands: tuple[Node, ...], sums: list[Node]) -> N
     return replace(node, symbol=stand_in(node.symbol, SLACK), operands=(*operands, *sums))
 
 
-def _moved(tree: Node, name: Name, varies) -> Node:
+def _moved(tree: Node, name: Name, varies: Callable[[str], bool]) -> Node:
     """A tree in the place of a name: varying names in it are taken at the end that the name is taken at."""
     if isinstance(tree, Name):
         return replace(name, name=tree.name, end=name.end if varies(tree.name) else None)

@@ -24,7 +24,9 @@ def negative(a: Signs) -> Signs:
 
 def within(bounds: Range) -> Signs:
     """The signs of the values in a range."""
-    return POSITIVE if bounds.lower >= 0 else NEGATIVE if bounds.upper <= 0 else EITHER
+    if bounds.lower >= 0:
+        return POSITIVE
+    return NEGATIVE if bounds.upper <= 0 else EITHER
 
 
 class Monotone:
@@ -98,10 +100,15 @@ class Monotone:
         slopes, above = [], POSITIVE
         for link, left in zip(reversed(chain.links), reversed(self._partial(chain)[:-1]), strict=True):
             operand = self.signs(link.operand)
-            if link.symbol == "/":
-                by_operand = negative(left) if operand != EITHER else EITHER
-            else:
-                by_operand = {"+": POSITIVE, "-": NEGATIVE, "*": left}[link.symbol]
+            match link.symbol:
+                case "+":
+                    by_operand = POSITIVE
+                case "-":
+                    by_operand = NEGATIVE
+                case "*":
+                    by_operand = left
+                case _:  # a quotient falls as its divisor grows, but for the jump at a divisor of zero
+                    by_operand = negative(left) if operand != EITHER else EITHER
             slopes.append(product(above, by_operand))
             above = product(above, operand) if link.symbol in "*/" else above
         return [above, *reversed(slopes)]

@@ -6,6 +6,7 @@ import types
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from ..text import brief, did_you_mean, nearest
 from ..yaml.document import Path, in_words
@@ -55,7 +56,7 @@ def findings(error: ValidationError, locations: Locations) -> list[Finding]:
     return [_finding(e, locations) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
 
 
-def _finding(error: dict[str, Any], locations: Locations) -> Finding:
+def _finding(error: ErrorDetails, locations: Locations) -> Finding:
     path: Path = error["loc"]
     what, remedy = _words(error, path)
     if error["type"] != "missing":
@@ -64,7 +65,7 @@ def _finding(error: dict[str, Any], locations: Locations) -> Finding:
     return Finding(path, what, remedy)
 
 
-def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
+def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
     """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
     given, context = in_words(error.get("input")), error.get("ctx", {})
     key, written = brief(path[-1]) if path else "", how_written(path)
@@ -105,8 +106,8 @@ def how_written(path: Path) -> str:
     """How the value at this path is written, or the mapping or the list that it is an entry of: "for example ..."."""
     for n in range(len(path), 0, -1):
         owner = _field(path[: n - 1])
-        if isinstance(owner, type) and issubclass(owner, BaseModel) and path[n - 1] in owner.model_fields:
-            key = path[n - 1]
+        key = str(path[n - 1])
+        if isinstance(owner, type) and issubclass(owner, BaseModel) and key in owner.model_fields:
             plain = _field(path[:n]) is Any  # as the integral of minimize: and the objective of reference:
             if key in EXAMPLES and not plain:
                 return f"for example {key}: {EXAMPLES[key]}"
@@ -119,7 +120,7 @@ def _field(path: Path) -> Any:
     annotation: Any = Spec
     for step in path:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            known = annotation.model_fields.get(step)
+            known = annotation.model_fields.get(str(step))
             annotation = _bare(known.annotation) if known else None
         else:
             arguments = get_args(annotation)

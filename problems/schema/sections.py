@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_serializer, model_validator
+from pydantic import Field, GetJsonSchemaHandler, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK, SQRT, TANH
 from ..text import brief
 from .declarations import LOWER, UPPER
-from .values import Entry, Formula, Text, Widths, mistake
+from .values import Entry, Formula, Text, Widths, either_form, mistake
 
 MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
@@ -23,7 +23,7 @@ class Terms(Entry):
     terminal: Formula | None = Field(None, description="function of the ends, such as t[final] or x[final]**2")
 
     @model_validator(mode="after")
-    def _some_term(self):
+    def _some_term(self) -> Self:
         if self.integral is None and self.terminal is None:
             raise mistake("the objective is empty", "add integral: or terminal: with an expression")
         return self
@@ -36,7 +36,7 @@ class Objective(Entry):
     maximize: Terms | None = Field(None, description="{integral:, terminal:}: at least one of them")
 
     @model_validator(mode="after")
-    def _one_sense(self):
+    def _one_sense(self) -> Self:
         if (self.minimize is None) == (self.maximize is None):
             what = "neither minimize nor maximize is given" if self.minimize is None else "two objectives are given"
             raise mistake(what, "give one of minimize: and maximize:")
@@ -49,7 +49,9 @@ class Objective(Entry):
 
     @property
     def terms(self) -> Terms:
-        return self.minimize or self.maximize
+        terms = self.minimize or self.maximize
+        assert terms is not None  # as validated
+        return terms
 
 
 class ConstraintEntry(Entry):
@@ -62,10 +64,11 @@ class ConstraintEntry(Entry):
     equals: Formula | None = Field(None, description="the value; instead of lower and upper")
 
     @model_validator(mode="after")
-    def _bounded(self):
-        if self.equals is not None and not self.lower is self.upper is None:
+    def _bounded(self) -> Self:
+        bounded = self.lower is not None or self.upper is not None
+        if self.equals is not None and bounded:
             raise mistake("equals is given together with lower or upper", "keep one of the two forms")
-        if self.equals is self.lower is self.upper is None:
+        if self.equals is None and not bounded:
             raise mistake("the constraint has no bound", "add lower:, upper: or equals:")
         return self
 
@@ -100,17 +103,8 @@ class GuessEntry(Entry):
         return {} if isinstance(data, str) else data
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core_schema, handler):
-        return _or_word("linear", handler(core_schema), handler)
-
-
-def _or_word(word: str, reference: dict, handler) -> dict:
-    """The JSON Schema of a mapping for which one word may stand."""
-    schema = handler.resolve_ref_schema(reference)
-    long = dict(schema)
-    schema.clear()
-    schema.update({"anyOf": [{"const": word}, long]})
-    return reference
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form({"const": "linear"}, core_schema, handler)
 
 
 class Nonsmooth(Entry):
@@ -138,19 +132,21 @@ class Nonsmooth(Entry):
         return {} if isinstance(data, str) else data
 
     @model_validator(mode="after")
-    def _one_way(self):
+    def _one_way(self) -> Self:
         if self.tanh is not None and self.sqrt is not None:
             raise mistake("tanh and sqrt are both given", "keep one of them")
         return self
 
     @model_serializer(mode="wrap")
-    def _short_form(self, handler):
+    def _short_form(self, handler: SerializerFunctionWrapHandler) -> Any:
         return SLACK if self.treatment == SLACK else handler(self)
 
     @property
     def treatment(self) -> str:
         """ "slack", "tanh" or "sqrt"."""
-        return TANH if self.tanh is not None else SQRT if self.sqrt is not None else SLACK
+        if self.tanh is not None:
+            return TANH
+        return SQRT if self.sqrt is not None else SLACK
 
     @property
     def widths(self) -> list[Expression]:
@@ -158,5 +154,5 @@ class Nonsmooth(Entry):
         return self.tanh or self.sqrt or []
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core_schema, handler):
-        return _or_word(SLACK, handler(core_schema), handler)
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form({"const": SLACK}, core_schema, handler)

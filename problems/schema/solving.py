@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
@@ -16,7 +16,7 @@ DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
 
-def _count(largest: int, of: str) -> Any:
+def _whole_number(largest: int, of: str) -> Any:
     """The type of a whole number from 1 to the largest."""
 
     def whole(value: Any) -> int:
@@ -30,7 +30,11 @@ def _count(largest: int, of: str) -> Any:
     return Annotated[Any, PlainValidator(whole), WithJsonSchema(schema)]
 
 
-Substeps, Meshes = _count(MAX_SUBSTEPS, "substeps"), _count(MAX_MESHES, "meshes")
+if TYPE_CHECKING:
+    Substeps = int
+    Meshes = int
+else:
+    Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
 
 
 class MeshEntry(Entry):
@@ -53,7 +57,7 @@ class MeshEntry(Entry):
     )
 
     @model_validator(mode="after")
-    def _as_many_degrees_as_segments(self):
+    def _as_many_degrees_as_segments(self) -> Self:
         if isinstance(self.degree, tuple):
             count = self.number_of_segments
             if len(self.degree) != count:
@@ -115,7 +119,7 @@ class Solver(Entry):
 
     @property
     def options(self) -> dict[str, int | float | str]:
-        return dict(self.model_extra)
+        return dict(self.model_extra or {})
 
 
 class Reference(Entry):

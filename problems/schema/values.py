@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
+    GetJsonSchemaHandler,
     PlainSerializer,
     PlainValidator,
     WithJsonSchema,
@@ -60,7 +61,8 @@ def _formula(value: Any) -> Expression:
 
 
 def _plain(expression: Expression) -> int | float | str:
-    return scalar(expression.text)
+    plain: int | float | str = scalar(expression.text)
+    return plain
 
 
 def _text(value: Any) -> Any:
@@ -86,29 +88,18 @@ def _option(value: Any) -> int | float | str:
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise mistake(f"a solver's option cannot be {in_words(value)}", "write a finite number, a word, or yes or no")
-    return value
-
-
-_NUMBER_SCHEMA = {"type": ["number", "string"]}
-Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
-Formula = Annotated[
-    Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
-]
-Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
-Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
-Widths = Annotated[
-    list[Formula],
-    Field(min_length=1),
-    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
-]
+    if isinstance(value, int | str) or (isinstance(value, float) and math.isfinite(value)):
+        return value
+    raise mistake(f"a solver's option cannot be {in_words(value)}", "write a finite number, a word, or yes or no")
 
 
 def _degree(value: Any) -> int | tuple[int, ...]:
     if isinstance(value, list):
-        return tuple(_degree(item) for item in value)
+        return tuple(map(_degree_of_segment, value))
+    return _degree_of_segment(value)
+
+
+def _degree_of_segment(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_DEGREE:
         raise mistake(
             f"the degree is {in_words(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them"
@@ -122,27 +113,78 @@ def _scaling(value: Any) -> str | dict[str, float]:
         if min(sizes.values()) <= 0:
             raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
         return sizes
-    if value not in ("none", "auto"):
-        raise mistake(f"this must be none, auto, or sizes by name, not {in_words(value)}", "write for example auto")
-    return value
+    if isinstance(value, str) and value in ("none", "auto"):
+        return value
+    raise mistake(f"this must be none, auto, or sizes by name, not {in_words(value)}", "write for example auto")
 
 
+_NUMBER_SCHEMA = {"type": ["number", "string"]}
 _DEGREE_SCHEMA = {"type": "integer", "minimum": 1, "maximum": MAX_DEGREE}
-Degree = Annotated[
-    Any,
-    PlainValidator(_degree),
-    WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
-]
-Scaling = Annotated[
-    Any,
-    PlainValidator(_scaling),
-    WithJsonSchema({"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}),
-]
-Segments = Annotated[
-    Any,
-    PlainValidator(_segments),
-    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": _NUMBER_SCHEMA}]}),
-]
+
+Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
+
+# What the type checker is told is what the validators return; pydantic is told to take their word for it.
+if TYPE_CHECKING:
+    Number = float
+    Formula = Expression
+    Option = int | float | str
+    Widths = list[Expression]
+    Degree = int | tuple[int, ...]
+    Scaling = str | dict[str, float]
+    Segments = int | tuple[float, ...]
+else:
+    Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+    Formula = Annotated[
+        Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
+    ]
+    Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
+    Widths = Annotated[
+        list[Formula],
+        Field(min_length=1),
+        BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+        WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
+    ]
+    Degree = Annotated[
+        Any,
+        PlainValidator(_degree),
+        WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
+    ]
+    Scaling = Annotated[
+        Any,
+        PlainValidator(_scaling),
+        WithJsonSchema(
+            {"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}
+        ),
+    ]
+    Segments = Annotated[
+        Any,
+        PlainValidator(_segments),
+        WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": _NUMBER_SCHEMA}]}),
+    ]
+
+
+class Bounded(Protocol):
+    """An entry that bounds a value: of a variable, of a constraint, at an end of time."""
+
+    @property
+    def lower(self) -> Expression | None: ...
+
+    @property
+    def upper(self) -> Expression | None: ...
+
+
+def either_form(short: dict[str, Any], core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    """The JSON Schema of a mapping for which something shorter may stand.
+
+    short: JSON Schema of the short form. core_schema, handler: as pydantic gives them to
+    `__get_pydantic_json_schema__`.
+    """
+    reference = handler(core_schema)
+    definition = handler.resolve_ref_schema(reference)
+    long = dict(definition)
+    definition.clear()
+    definition.update({"anyOf": [short, long]})
+    return reference
 
 
 class Entry(BaseModel):
@@ -172,10 +214,5 @@ class Shorthand(Entry):
         return data if isinstance(data, dict | cls) else {cls.short: data}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core_schema, handler):
-        reference = handler(core_schema)
-        schema = handler.resolve_ref_schema(reference)
-        long = dict(schema)
-        schema.clear()
-        schema.update({"anyOf": [_NUMBER_SCHEMA, long]})
-        return reference
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form(_NUMBER_SCHEMA, core_schema, handler)

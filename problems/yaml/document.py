@@ -11,7 +11,7 @@ import copy
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import yaml
 
@@ -127,7 +127,9 @@ def in_words(value: Any) -> str:
         return f"the number {value:g}"
     if isinstance(value, str):
         return f'the text "{brief(value)}"'
-    return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
+    if isinstance(value, dict):
+        return "a mapping"
+    return "a list" if isinstance(value, list) else "nothing"
 
 
 def dotted(path: Path) -> str:
@@ -140,7 +142,7 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
     mark, lines = getattr(error, "problem_mark", None), text.splitlines()
     if mark is not None and mark.line >= len(lines):
         # what is missing at the end of the file belongs to what was opened before it
-        mark = error.context_mark or mark
+        mark = getattr(error, "context_mark", None) or mark
     if mark is None:
         return Mistake(file, f"this is not YAML ({problem})", "save the file as plain text")
     line = lines[mark.line] if mark.line < len(lines) else ""
@@ -151,6 +153,11 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
     start = getattr(error, "context_mark", None) or mark
     inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
     return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
+
+
+def _line(event: yaml.Event) -> int:
+    """The line of an event of the file, from 1."""
+    return event.start_mark.line + 1 if event.start_mark else 1
 
 
 class _Composer:
@@ -185,15 +192,15 @@ class _Composer:
             value = self.sequence(path)
         else:
             value = self.mapping(path)
-        if event.anchor is not None:
+        if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
             self.anchors[event.anchor] = value, self.nodes - before + 1
         return value
 
-    def sequence(self, path: Path) -> list:
+    def sequence(self, path: Path) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
             here = (*path, len(items))
-            self.lines[here] = event.start_mark.line + 1
+            self.lines[here] = _line(event)
             items.append(self.node(event, here))
         return items
 
@@ -204,7 +211,7 @@ class _Composer:
                 self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
             self.check_event(event, path)
             here = (*path, event.value)
-            line = event.start_mark.line + 1
+            line = _line(event)
             if event.value in entries:
                 what = f"the key is given twice, first on line {self.lines[here]}"
                 self.mistakes.append(Mistake(f"{self.file}:{line}: {dotted(here)}", what, "remove one of them"))
@@ -215,9 +222,10 @@ class _Composer:
         return entries
 
     def alias(self, event: yaml.AliasEvent) -> Any:
-        if event.anchor not in self.anchors:
-            self.stop(event, f"*{brief(event.anchor)} refers to no anchor", "put a text that starts with * in quotes")
-        value, size = self.anchors[event.anchor]
+        anchor = str(event.anchor)
+        if anchor not in self.anchors:
+            self.stop(event, f"*{brief(anchor)} refers to no anchor", "put a text that starts with * in quotes")
+        value, size = self.anchors[anchor]
         self.aliases += 1
         self.nodes += size
         if self.aliases > MAX_ALIASES:
@@ -230,13 +238,14 @@ class _Composer:
         self.check_size(event)
         if len(path) > MAX_DEPTH:
             self.stop(event, f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation")
-        if getattr(event, "tag", None) is not None:
-            what = f"the tag {brief(event.tag)} is not allowed"
+        tag = getattr(event, "tag", None)
+        if tag is not None:
+            what = f"the tag {brief(tag)} is not allowed"
             self.stop(event, what, "write the plain value, or put the text in quotes")
 
     def check_size(self, event: yaml.Event) -> None:
         if self.nodes > MAX_NODES:
             self.stop(event, f"the file holds more than {MAX_NODES} values", "remove aliases or shorten its lists")
 
-    def stop(self, event: yaml.Event, what: str, remedy: str):
-        raise SpecError([*self.mistakes, Mistake(f"{self.file}:{event.start_mark.line + 1}", what, remedy)])
+    def stop(self, event: yaml.Event, what: str, remedy: str) -> NoReturn:
+        raise SpecError([*self.mistakes, Mistake(f"{self.file}:{_line(event)}", what, remedy)])

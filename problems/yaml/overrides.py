@@ -59,7 +59,9 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
 def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:
     """The keys that one step of a path means below a node."""
     if step == "*":
-        keys = list(node) if isinstance(node, dict) else list(range(len(node))) if isinstance(node, list) else []
+        keys: list[str | int] = []
+        if isinstance(node, dict | list):
+            keys = list(node) if isinstance(node, dict) else list(range(len(node)))
         if not keys:
             raise SpecError(Mistake(where, f"{dotted(path) or 'the file'} has nothing for * to mean", "name the key"))
         return keys
@@ -76,7 +78,7 @@ def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> Non
             raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
 
 
-def _index(items: list, step: str, path: Path, where: str) -> int:
+def _index(items: list[Any], step: str, path: Path, where: str) -> int:
     try:
         index = int(step)
     except ValueError:
@@ -89,7 +91,7 @@ def _index(items: list, step: str, path: Path, where: str) -> int:
 
 
 def _below(node: Any, key: str | int) -> Any:
-    if isinstance(node, list):
+    if isinstance(node, list) and isinstance(key, int):
         return node[key]
     return node.get(key) if isinstance(node, dict) else None
 
@@ -98,7 +100,7 @@ def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
     """Set one value. A plain value on the way, such as 0.3 for {value: 0.3}, becomes its long form."""
     node: Any = data
     for i, (step, following) in enumerate(pairwise(path)):
-        inner = node[step] if isinstance(node, list) else node.get(step)
+        inner = _below(node, step)
         if not isinstance(inner, dict | list):
             if not isinstance(following, str) or isinstance(inner, bool):
                 raise SpecError(

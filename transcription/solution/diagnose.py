@@ -205,7 +205,7 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
 def _value_fault(function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
-    return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.index, fault.values)
+    return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
 
 
 def _derivative_fault(function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
