@@ -39,6 +39,10 @@ def find_problem(name: str) -> Path:
 def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     """Write NAME.yaml in the current folder, a copy of a shipped problem or of the commented template.
 
+    name: of the file, with or without its suffix, and of the problem in it.
+    source: the name of a shipped problem, a path, or "template".
+    force: whether an existing file is replaced.
+
     Raises FileError if it cannot be written, if it exists and `force` is not set, or if there is no such source.
     """
     target = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")

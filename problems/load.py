@@ -36,9 +36,13 @@ def load(
 ) -> Spec:
     """The spec of a problem file.
 
+    source: its path.
     overrides: "PATH=VALUE" each, such as "parameters.u_max=15" or "mesh.*.segments=50", applied in turn and checked
-    as if they stood in the file. methods: the names that a mesh entry may give; none means any. options: asked about
-    the options of the engine, which only the engine knows. What is odd but not wrong is in `spec.warnings`.
+        as if they stood in the file.
+    methods: the names that a mesh entry may give; none means any.
+    options: asked about the options of the engine, which only the engine knows; None asks nobody.
+
+    What is odd but not wrong is in `spec.warnings`.
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
@@ -52,7 +56,12 @@ def load_text(
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
 ) -> Spec:
-    """As `load`, from a text; `file` is the name used in messages."""
+    """As `load`, from a text.
+
+    text: YAML.
+    file: the name used in messages; without its suffix, the name of a problem that gives none.
+    overrides, methods, options: as `load` takes them.
+    """
     document = read_document(text, file)
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
     if document.data.get("mesh") is None:

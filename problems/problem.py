@@ -154,13 +154,19 @@ class Phase:
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
 
     def arguments(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
-        """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
+        """What this phase's functions are called with: names -> arrays of shape (...).
+
+        t: times, shape (...), in `time_unit`.
+        x: states, shape (n_x, ...), each in its unit.
+        u: inputs, shape (n_u, ...): the controls, then the algebraic variables.
+        p: name of each static parameter -> its value.
+        """
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}
         inputs = {variable.name: row for variable, row in zip(self.inputs, u, strict=True)}
         return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-        """f(t, x, u, p), shape (n_x, ...)."""
+        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
             return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])

@@ -23,7 +23,12 @@ _SHOWN = 5
 
 
 def structure_mistakes(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
-    """Every mistake. numbers: path -> value of the constants that have one."""
+    """Every mistake in how the problem is put together.
+
+    spec: as the schema has passed it.
+    symbols: its names and values.
+    numbers: path -> value of every constant of the file that has one, in the unit of the file.
+    """
     found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
     if spec.solver.engine == "newton":
         found += _inequalities(spec, symbols, numbers)
@@ -91,7 +96,7 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
 
 
 class _Limited(NamedTuple):
-    """What has lower and upper, in which place, and whether it bounds a variable rather than a constraint."""
+    """What has lower and upper, its path, and whether it bounds a variable rather than a constraint."""
 
     path: Path
     entry: Bounded | None

@@ -59,6 +59,8 @@ class Expression:
     ) -> Expression:
         """This expression with numbers for its parameters and expressions for the names defined by others.
 
+        parameters: name -> number, in the unit of the file.
+        definitions: name -> the expression that the name stands for; others are evaluated after those they refer to.
         static: names of the static parameters; like `parameters` they are the same at both ends of time.
         """
         return replace(self, parameters=parameters, definitions=definitions, static=static)

@@ -25,7 +25,13 @@ def stand_in(symbol: str, treatment: str) -> str:
 
 
 def smooth_abs(treatment: str, functions: Any, y: Any, width: Any) -> Any:
-    """|y| by (8.12) or (8.13)."""
+    """|y|, smooth (paper, section 8.6).
+
+    treatment: "tanh" for y tanh(y/width), (8.12); else sqrt(y^2 + width^2), (8.13).
+    functions: `numpy` or `pyomo.core`.
+    y: a number, an array of any shape or an expression.
+    width: alpha or beta, positive, in the unit of y.
+    """
     return y * functions.tanh(y / width) if treatment == TANH else functions.sqrt(y**2 + width**2)
 
 

@@ -161,13 +161,24 @@ class Walker:
         return cls(m, inertia, parameters["g"], P, G)
 
     def lever(self, e: Sequence[Vector], i: int, pivot: int) -> Vector:
-        """G_i - P_pivot, m."""
+        """G_i - P_pivot, m.
+
+        e: unit vectors of the links 1 to 5.
+        i: number of the link, from 1.
+        pivot: number of the point, from 0.
+        """
         return combine([g - p for g, p in zip(self.G[i - 1], self.P[pivot], strict=True)], e)
 
     def balance(
         self, torque: int, pivot: int, links: Sequence[int], values: Mapping[str, Value], functions: Any
     ) -> Value:
-        """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8)."""
+        """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8).
+
+        torque: number of the motor, from 1.
+        pivot: number of the point about which moments are taken, from 0.
+        links: numbers of the links that the joint carries.
+        values, functions: as functions of a problem are called with (`problems.problem.Function`).
+        """
         motion = Motion(values, functions)
         e, dde, ddq = motion.e, motion.dde, motion.row("ddq")
         moments = []
@@ -178,7 +189,12 @@ class Walker:
         return values[f"u{torque}"] + sum(moments)
 
     def momentum(self, motion: Motion, pivot: int, links: Sequence[int]) -> Value:
-        """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15)."""
+        """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15).
+
+        motion: angles and rates of all links.
+        pivot: number of the point, from 0.
+        links: numbers of the links, from 1.
+        """
         e, de, dq = motion.e, motion.de, motion.row("dq")
         return sum(
             self.m[i - 1] * cross(self.lever(e, i, pivot), combine(self.G[i - 1], de)) + self.I[i - 1] * dq[i - 1]
@@ -186,16 +202,26 @@ class Walker:
         )
 
     def strike(self, before: Carried, after: Carried, values: Mapping[str, Value], functions: Any) -> Value:
-        """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15)."""
+        """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15).
+
+        before: pivot and links at the final time of the step.
+        after: the same ones by their numbers at its initial time.
+        values, functions: as functions of a problem are called with, names at both ends of time.
+        """
         old, new = (Motion(values, functions, end) for end in (FINAL, INITIAL))
         return self.momentum(old, *before) - self.momentum(new, *after)
 
     def foot(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
-        """One coordinate of P5, m."""
+        """One coordinate of P5, m.
+
+        axis: "x" or "y".
+        end: "[initial]", "[final]", or "" at any time.
+        values, functions: as functions of a problem are called with.
+        """
         return getattr(combine(self.P[5], Motion(values, functions, end).e), axis)
 
     def foot_velocity(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
-        """One coordinate of the velocity of P5, m/s."""
+        """One coordinate of the velocity of P5, m/s; arguments as of `foot`."""
         return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
 

@@ -90,7 +90,9 @@ class Symbols:
     ) -> Expression:
         """The expression with its parameters and definitions bound: a `problem.Function`.
 
-        definitions: those that take the place of the file's. added: static parameters that the file does not name.
+        expression: of the file, or made from one of its.
+        definitions: those that take the place of the file's; None for the file's.
+        added: static parameters that the file does not name.
         """
         return expression.bind(
             self.numbers, self.definitions if definitions is None else definitions, self.static | added

@@ -86,7 +86,8 @@ def occurrences(root: Node, symbols: Symbols) -> Iterator[Operation]:
 def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
     """The expressions that abs, min and max are taken out of, for an entry of the mesh schedule.
 
-    The spec and its symbols must be free of mistakes.
+    spec, symbols: free of mistakes.
+    mesh: index of the entry, which chooses one of several widths; -1 for the last.
     """
     if spec.nonsmooth is None:
         return Consistent(definitions=symbols.definitions)
@@ -96,7 +97,7 @@ def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
 
 
 class _Smooth:
-    """Replaces every occurrence by its stand-in; what depends on an expression's place and sign is left to _Slack."""
+    """Replaces every occurrence by its stand-in; what depends on where an expression stands and on its sign is left to _Slack."""
 
     def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth, mesh: int = -1):
         self.spec, self.symbols, self.treatment, self.found = spec, symbols, how.treatment, Consistent()
@@ -119,6 +120,8 @@ class _Smooth:
 
     def visit(self, node: Node, wanted: Signs) -> Node:
         """The tree without abs, min and max. wanted: the signs of the slope of what is minimised by this node."""
+        # From below, so that the y of an outer |y| stands on the slack variables of an inner one. By the chain rule the
+        # slope of what is minimised by a part is that by the whole times that of the whole by the part.
         parts = zip(below(node), self.slopes(node), strict=True)
         new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
         if isinstance(new, Operation) and is_inconsistent(new.symbol) and not self.symbols.is_constant(node):
@@ -161,6 +164,7 @@ class _Slack(_Smooth):
 
     def expression(self, use: Use) -> Expression:
         self.use = use
+        # at the ends a definition has values of its own, so the slack variables that it has over time do not serve
         root = self._written_out(use.expression.root) if use.context == BOUNDARY else use.expression.root
         return replace(use.expression, root=self.visit(root, self._wanted_of(use)))
 
@@ -173,6 +177,7 @@ class _Slack(_Smooth):
             return self._sum(node, node.operands[0], wanted)
         operands = node.operands
         sums: list[Node] = []
+        # min falls as its |a - b| grows, so what is wanted of that is the opposite of what is wanted of min
         of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
@@ -192,7 +197,7 @@ class _Slack(_Smooth):
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
         definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
         relations.append(Relation(stem, Expression(text, definition), Range(0.0, 0.0)))
-        if -1 in wanted:
+        if -1 in wanted:  # a sum larger than |y| would pay somewhere: only a constraint keeps it exact
             both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
             relations.append(Relation(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
@@ -247,6 +252,7 @@ class _Slack(_Smooth):
         for use in uses(self.spec):
             if use.context not in (CONSTANT, BOUNDARY) and use.path[0] != "expressions":
                 spread(use.expression.root, self._wanted_of(use))
+        # from the last: what refers to a definition comes after it, so that its own signs are complete by then
         for name in reversed(self.symbols.definitions):
             if name in wanted:
                 spread(self.symbols.definitions[name].root, wanted[name])
@@ -262,6 +268,7 @@ class _Slack(_Smooth):
         if use.path[0] != "constraints":
             return EITHER
         bounds, signs = self.symbols.range(constraint), self.monotone.signs(use.expression.root)
+        # a bound that the sign alone keeps wants nothing
         above = bounds.upper < float("inf") and not (bounds.upper >= 0 and signs == NEGATIVE)
         under = bounds.lower > -float("inf") and not (bounds.lower <= 0 and signs == POSITIVE)
         return (POSITIVE if above else frozenset()) | (NEGATIVE if under else frozenset())

@@ -120,7 +120,7 @@ class Spec(Entry):
         return self._warnings
 
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
-        """Mistakes found later, whose `where` is a path such as solver.max_iter, at their place in the file."""
+        """Mistakes found later, whose `where` is a path such as solver.max_iter, with their line in the file."""
         return self._locations.locate(mistakes)
 
     @property
@@ -149,7 +149,12 @@ class Spec(Entry):
     __str__ = __repr__
 
     def attach(self, text: str, locations: Locations, warnings: Iterable[Finding]) -> Spec:
-        """The same spec, knowing the text it was read from."""
+        """The same spec, knowing what it was read from.
+
+        text: of the file.
+        locations: where each of its values was given.
+        warnings: what is odd in it.
+        """
         self._text, self._locations, self._warnings = text, locations, locations.mistakes(warnings)
         return self
 

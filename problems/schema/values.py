@@ -28,7 +28,7 @@ MAX_TEXT = 10_000
 
 
 def mistake(what: str, remedy: str) -> PydanticCustomError:
-    """An error for a validator to raise; load.py gives it its place in the file."""
+    """An error for a validator to raise; load.py finds its line in the file."""
     return PydanticCustomError("mistake", "{what}; {remedy}", {"what": what, "remedy": remedy})
 
 
@@ -176,8 +176,8 @@ class Bounded(Protocol):
 def either_form(short: dict[str, Any], core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
     """The JSON Schema of a mapping for which something shorter may stand.
 
-    short: JSON Schema of the short form. core_schema, handler: as pydantic gives them to
-    `__get_pydantic_json_schema__`.
+    short: JSON Schema of the short form.
+    core_schema, handler: as pydantic gives them to `__get_pydantic_json_schema__`.
     """
     reference = handler(core_schema)
     definition = handler.resolve_ref_schema(reference)
