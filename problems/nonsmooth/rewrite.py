@@ -97,7 +97,7 @@ def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
 
 
 class _Smooth:
-    """Replaces every occurrence by its stand-in; what depends on where an expression stands and on its sign is left to _Slack."""
+    """Replaces every occurrence by its stand-in; place and sign of an expression matter to _Slack only."""
 
     def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth, mesh: int = -1):
         self.spec, self.symbols, self.treatment, self.found = spec, symbols, how.treatment, Consistent()
