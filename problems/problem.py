@@ -23,7 +23,7 @@ import numpy as np
 
 from .text import shorten
 
-Value = Any
+Numeric = Any
 """A number, a NumPy array or a Pyomo expression: functions of a problem are written once, for all of them."""
 
 
@@ -35,7 +35,7 @@ class Function(Protocol):
     the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
     """
 
-    def __call__(self, values: Mapping[str, Value], functions: Any, /) -> Value: ...
+    def __call__(self, values: Mapping[str, Numeric], functions: Any, /) -> Numeric: ...
 
 
 TOLERATED_EXCESS = 1e-4

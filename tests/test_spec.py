@@ -113,11 +113,11 @@ def test_the_docs_and_the_schema_name_the_methods_and_functions():
     assert f"`{' '.join(smooth_names())}`" in DOCS
     for name in (*FAMILIES, *(table.name for table in TABLES)):
         assert f"`{name}`" in DOCS
-    degree = schema()["$defs"]["MeshEntry"]["properties"]["degree"]
+    degree = schema()["$defs"]["Mesh"]["properties"]["degree"]
     assert degree["description"].startswith(f"of {', '.join(FAMILIES)}: ")
     assert f"default {DEFAULT_DEGREE}" in degree["description"] and f"(default {DEFAULT_DEGREE})" in DOCS
     assert f"`degree` from 1 to {MAX_DEGREE}" in DOCS
-    form = schema()["$defs"]["MeshEntry"]["properties"]["form"]["description"]
+    form = schema()["$defs"]["Mesh"]["properties"]["form"]["description"]
     assert f"differential from degree {INTEGRAL_DEGREE + 1} on" in form
     assert f"`differential` from degree {INTEGRAL_DEGREE + 1} on" in DOCS
 

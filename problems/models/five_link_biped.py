@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problem import Range, Value
+from ..problem import Numeric, Range
 from .model import Equations, Model, Quantity
 
 LINKS = (1, 2, 3, 4, 5)
@@ -79,11 +79,11 @@ Reach = tuple[float, ...]
 class Vector(NamedTuple):
     """A vector in the plane; x and y are numbers, arrays or expressions."""
 
-    x: Value
-    y: Value
+    x: Numeric
+    y: Numeric
 
 
-def cross(a: Vector, b: Vector) -> Value:
+def cross(a: Vector, b: Vector) -> Numeric:
     """The component of a x b that points out of the plane."""
     return a.x * b.y - a.y * b.x
 
@@ -102,11 +102,11 @@ class Motion:
     there are no accelerations.
     """
 
-    values: Mapping[str, Value]
+    values: Mapping[str, Numeric]
     functions: Any
     end: str = ""
 
-    def row(self, name: str) -> list[Value]:
+    def row(self, name: str) -> list[Numeric]:
         """A quantity of each link, such as "dq"."""
         return [self.values[f"{name}{i}{self.end}"] for i in LINKS]
 
@@ -170,8 +170,8 @@ class Walker:
         return combine([g - p for g, p in zip(self.G[i - 1], self.P[pivot], strict=True)], e)
 
     def balance(
-        self, torque: int, pivot: int, links: Sequence[int], values: Mapping[str, Value], functions: Any
-    ) -> Value:
+        self, torque: int, pivot: int, links: Sequence[int], values: Mapping[str, Numeric], functions: Any
+    ) -> Numeric:
         """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8).
 
         torque: number of the motor, from 1.
@@ -188,7 +188,7 @@ class Walker:
             moments.append(self.m[i - 1] * cross(self.lever(e, i, pivot), effect) - self.I[i - 1] * ddq[i - 1])
         return values[f"u{torque}"] + sum(moments)
 
-    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]) -> Value:
+    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]) -> Numeric:
         """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15).
 
         motion: angles and rates of all links.
@@ -201,7 +201,7 @@ class Walker:
             for i in links
         )
 
-    def strike(self, before: Carried, after: Carried, values: Mapping[str, Value], functions: Any) -> Value:
+    def strike(self, before: Carried, after: Carried, values: Mapping[str, Numeric], functions: Any) -> Numeric:
         """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15).
 
         before: pivot and links at the final time of the step.
@@ -211,7 +211,7 @@ class Walker:
         old, new = (Motion(values, functions, end) for end in (FINAL, INITIAL))
         return self.momentum(old, *before) - self.momentum(new, *after)
 
-    def foot(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
+    def foot(self, axis: str, end: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
         """One coordinate of P5, m.
 
         axis: "x" or "y".
@@ -220,7 +220,7 @@ class Walker:
         """
         return getattr(combine(self.P[5], Motion(values, functions, end).e), axis)
 
-    def foot_velocity(self, axis: str, end: str, values: Mapping[str, Value], functions: Any) -> Value:
+    def foot_velocity(self, axis: str, end: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
         """One coordinate of the velocity of P5, m/s; arguments as of `foot`."""
         return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
@@ -245,11 +245,11 @@ def build(parameters: Mapping[str, float]) -> Equations:
     )
 
 
-def _value(name: str, values: Mapping[str, Value], functions: Any) -> Value:
+def _value(name: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
     return values[name]
 
 
-def _difference(name: str, other: str, values: Mapping[str, Value], functions: Any) -> Value:
+def _difference(name: str, other: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
     return values[name] - values[other]
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
+from pydantic.json_schema import GenerateJsonSchema
 
 from ..errors import Mistake
 from ..models import MODELS
@@ -159,9 +160,19 @@ class Spec(Entry):
         return self
 
 
+class _Definitions(GenerateJsonSchema):
+    """Definitions have the names that people know: Mesh, not MeshEntry."""
+
+    def normalize_name(self, name: str) -> str:
+        return super().normalize_name(name).removesuffix("Entry")
+
+
 def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
     """JSON Schema of a problem file, for editors; `methods` are the names that a mesh entry may give."""
-    result = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Spec.model_json_schema()}
+    result = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **Spec.model_json_schema(schema_generator=_Definitions),
+    }
     if methods:
-        result["$defs"]["MeshEntry"]["properties"]["method"]["enum"] = list(methods)
+        result["$defs"]["Mesh"]["properties"]["method"]["enum"] = list(methods)
     return result

@@ -190,7 +190,9 @@ def either_form(short: dict[str, Any], core_schema: Any, handler: GetJsonSchemaH
 class Entry(BaseModel):
     """A mapping of the file. A key with an empty value counts as left out."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, model_title_generator=lambda entry: entry.__name__.removesuffix("Entry")
+    )
 
     @model_validator(mode="before")
     @classmethod
