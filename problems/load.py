@@ -22,10 +22,12 @@ from .yaml.overrides import override
 _UNSAFE = {
     "hsllib": "makes the solver load a library",
     "pardisolib": "makes the solver load a library",
-    "option_file_name": "makes the solver read another file",
     "output_file": "makes the solver write a file",
 }
+"""What only the command line may set."""
 
+_OPTION_FILE = "option_file_name"
+"""What nothing may set: options of a file of IPOPT's own would stand in no message, no check and no result."""
 
 OptionCheck = Callable[[str, Mapping[str, Any]], Sequence[Mistake]]
 """(engine, options) -> what the engine does not take, each mistake at solver.NAME."""
@@ -94,7 +96,12 @@ def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:
     """Options that a file may not set; IPOPT also knows them in capitals, and behind a prefix such as "resto."."""
     found = []
     for name in solver if isinstance(solver, dict) else ():
-        does = _UNSAFE.get(name.lower().rpartition(".")[2])
+        plain = name.lower().rpartition(".")[2]
+        if plain == _OPTION_FILE:
+            what = f"{brief(name)} makes the solver read options that trajopt cannot check and the result does not tell"
+            remedy = "remove it, and write each of its options as solver.NAME, in the file or with --set"
+            found.append(Finding(("solver", name), what, remedy))
+        does = _UNSAFE.get(plain)
         if does and not locations.overridden(("solver", name)):
             what = f"{brief(name)} {does}, which a problem file may not do: it is data, never code"
             remedy = f"remove it, and give it on the command line: --set solver.{brief(name)}=..."

@@ -12,6 +12,14 @@ from trajopt.cli.app import app
 TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]  # the console script, in any environment
 
 
+OPTION_FILES = {  # what an `ipopt.opt` in the current folder might say
+    "two iterations": "max_iter 2\n",
+    "an output file": "output_file told.txt\nfile_print_level 5\nprint_level 5\n",
+    "an invalid line": "no_such_option 3\n",
+    "a library": "linear_solver ma57\nhsllib ./libhsl.so\n",
+}
+
+
 def trajopt(*arguments):
     """A run inside this process: no start-up to pay. Anything but an exit with a code is a bug."""
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])

@@ -11,7 +11,7 @@ from pathlib import Path
 import broken
 import h5py
 import pytest
-from command_line import TRAJOPT, process
+from command_line import OPTION_FILES, TRAJOPT, process
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -36,6 +36,21 @@ def test_not_solved_is_told_and_written(folder):
     with h5py.File("cartpole.h5") as file:
         assert file.attrs["status"] == "max_iterations"
         assert file.attrs["remedy"] in run.stderr
+
+
+@pytest.mark.parametrize("said", OPTION_FILES.values(), ids=OPTION_FILES)
+def test_an_option_file_in_the_current_folder_changes_nothing(said, folder):
+    def told():
+        solved = process("solve", "cartpole", "--json", "-o", "a.h5")
+        check = process("check", "cartpole", "--set", "solver.max_iter=5", "--set", "solver.linear_solver=ma57")
+        assert (solved.returncode, solved.stderr, check.returncode, check.stdout) == (0, "", 2, "")
+        summary = json.loads(solved.stdout)
+        return summary["objective"], summary["iterations"], summary["error"], check.stderr
+
+    plain = told()
+    (folder / "ipopt.opt").write_text(said)
+    assert told() == plain
+    assert sorted(path.name for path in folder.iterdir()) == ["a.h5", "ipopt.opt"]
 
 
 def test_mistakes_and_files_have_their_exit_codes():

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from command_line import OPTION_FILES
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
@@ -174,6 +175,29 @@ def test_a_wrong_option_is_a_mistake(options, words):
     assert words in str(mistake)
     with pytest.raises(ValueError, match=next(iter(options))):
         run(options)
+
+
+@pytest.mark.parametrize("said", OPTION_FILES.values(), ids=OPTION_FILES)
+def test_an_option_file_in_the_current_folder_changes_nothing(said, folder, capfd):
+    plain, unknown = run(), check_options({"linear_solver": "ma57"})
+    capfd.readouterr()
+    (folder / "ipopt.opt").write_text(said)
+    outcome = run()
+    assert outcome.status is Status.SOLVED and outcome.solver == plain.solver
+    np.testing.assert_array_equal(outcome.z, plain.z)
+    np.testing.assert_array_equal(outcome.y, plain.y)
+    assert not check_options({"max_iter": 10}) and check_options({"linear_solver": "ma57"}) == unknown
+    assert capfd.readouterr() == ("", "")
+    assert [path.name for path in folder.iterdir()] == ["ipopt.opt"]
+
+
+@pytest.mark.parametrize("name", ["option_file_name", "OPTION_FILE_NAME", "resto.option_file_name"])
+def test_no_option_file_can_be_named(name, folder):
+    (folder / "mine.opt").write_text("max_iter 2\n")
+    (mistake,) = check_options({name: "mine.opt"})
+    assert mistake.where == f"solver.{name}"
+    with pytest.raises(ValueError, match=name):
+        run({name: "mine.opt"})
 
 
 def test_every_wrong_option_is_named():

@@ -140,7 +140,7 @@ def test_warnings_of_dynamics_and_slack():
     assert '"abs(v)" in "(u - c*abs(v))/m" stands where slack' in spec.warnings[0].what
 
 
-@pytest.mark.parametrize("option", ["hsllib=a.so", "output_file=a.txt", "option_file_name=a.opt", "pardisolib=a.so"])
+@pytest.mark.parametrize("option", ["hsllib=a.so", "output_file=a.txt", "pardisolib=a.so"])
 def test_the_command_line_may_load_code_and_write_files(option):
     name, _, value = option.partition("=")
     assert good(f"solver.{option}").solver.options[name] == value
@@ -151,6 +151,16 @@ def test_the_command_line_may_load_code_and_write_files(option):
 def test_the_command_line_does_not_excuse_the_file():
     with pytest.raises(SpecError, match=r"solver\.hsllib"):
         good("solver.max_iter=5", text=broken.GOOD.replace("max_iter: 100", "hsllib: a.so"))
+
+
+@pytest.mark.parametrize("name", ["option_file_name", "Option_File_Name", "resto.option_file_name"])
+@pytest.mark.parametrize("value", ["a.opt", "ipopt.opt"])
+def test_not_even_the_command_line_may_name_an_option_file(name, value):
+    with pytest.raises(SpecError) as raised:
+        good(f"solver={{{name}: {value}}}")
+    (mistake,) = raised.value.mistakes
+    assert mistake.where.startswith("--set solver")
+    assert "options that trajopt cannot check" in str(mistake) and "solver.NAME" in mistake.remedy
 
 
 def test_engines():

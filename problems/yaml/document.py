@@ -25,6 +25,7 @@ MAX_ALIASES = 100
 
 Path = tuple[str | int, ...]
 
+_TOO_DEEP = f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation"
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -145,6 +146,8 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
         mark = getattr(error, "context_mark", None) or mark
     if mark is None:
         return Mistake(file, f"this is not YAML ({problem})", "save the file as plain text")
+    if "maximum nesting depth" in problem:  # libyaml 0.2.6 reads ahead, and stops itself at some 1000 levels
+        return Mistake(f"{file}:{mark.line + 1}", *_TOO_DEEP)
     line = lines[mark.line] if mark.line < len(lines) else ""
     if "\t" in line[: len(line) - len(line.lstrip())]:
         problem, remedy = "a tab in the indentation", "indent with spaces, not with tabs"
@@ -237,7 +240,7 @@ class _Composer:
         self.nodes += 1
         self.check_size(event)
         if len(path) > MAX_DEPTH:
-            self.stop(event, f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation")
+            self.stop(event, *_TOO_DEEP)
         tag = getattr(event, "tag", None)
         if tag is not None:
             what = f"the tag {brief(tag)} is not allowed"

@@ -97,6 +97,13 @@ SOLVERS = [
         "solver.resto.pardisolib",
         "load a library",
     ),
-    edit("an option file", "max_iter: 100", "option_file_name: a.opt", "solver.option_file_name", "another file"),
+    edit("an option file", "max_iter: 100", "option_file_name: a.opt", "solver.option_file_name", "cannot check"),
+    edit(
+        "an option file in capitals, behind a prefix",
+        "max_iter: 100",
+        "resto.OPTION_file_name: a.opt",
+        "solver.resto.OPTION_file_name",
+        "as solver.NAME",
+    ),
     edit("an output file", "max_iter: 100", "output_file: a.txt", "solver.output_file", "write a file"),
 ]

@@ -25,6 +25,8 @@ FILES = [
     raw("a self-reference", "a: &a [*a]\n", ":1", "refers to no anchor"),
     raw("many aliases", "a: &a 1\nb: [" + "*a, " * 200 + "]\n", ":2", "more than 100 aliases"),
     raw("deep brackets", "a: " + "[" * 100_000, ":1", "nested deeper"),
+    raw("deep braces", "a: 1\nb: " + "{c: " * 5_000, ":2", "nested deeper"),
+    raw("deep lists", "a:\n  - b\n  " + "- " * 5_000, ":3", "nested deeper"),
     raw("deep indentation", "".join(" " * i + "a:\n" for i in range(500)), ":22", "nested deeper"),
     raw("many values", "a: [" + "1," * 400_000 + "]", ":1", "more than 300000 values"),
     raw("a Python tag", "a: !!python/object/apply:os.system ['true']\n", ":1", "the tag"),

@@ -31,6 +31,8 @@ DEFAULTS = {
     "first_hessian_perturbation": 1.0,
 }
 
+OPTION_FILE = "option_file_name"
+
 USER_SCALING = {"nlp_scaling_method": "user-scaling"}
 
 COLUMNS = (
@@ -82,9 +84,8 @@ def solve(
     iteration; true ends the solve with status INTERRUPTED and the last iterate. scaling: in place of IPOPT's own.
     Raises ValueError for an option that `check_options` would refuse.
     """
-    cyipopt = _cyipopt()
     callbacks = _Callbacks(nlp, progress, stop)
-    problem = cyipopt.Problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
+    problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(WARM if start else {}), **(USER_SCALING if scaling else {}), **(options or {})}
     if scaling:
         problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
@@ -103,7 +104,7 @@ def solve(
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
         solver={
             "engine": "ipopt",
-            "ipopt": ".".join(map(str, cyipopt.IPOPT_VERSION)),
+            "ipopt": ".".join(map(str, _cyipopt().IPOPT_VERSION)),
             **chosen,
             "scaling": json.dumps(scaling.sizes if scaling else None),
         },
@@ -113,7 +114,7 @@ def solve(
 
 def check_options(options: Mapping[str, object]) -> list[Mistake]:
     """Ask IPOPT itself whether it takes each option; mistakes stand at solver.<name>."""
-    problem = _cyipopt().Problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
+    problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
     mistakes = []
     for name, value in options.items():
         if not _accepts(problem, name, value):
@@ -132,7 +133,20 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
+def _problem(**definition):
+    """A new problem of cyipopt that takes its options from the caller only.
+
+    IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
+    file is empty: it would change results, write files and load libraries without a word.
+    """
+    problem = _cyipopt().Problem(**definition)
+    problem.add_option(OPTION_FILE, "")
+    return problem
+
+
 def _accepts(problem, name: str, value) -> bool:
+    if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
+        return False
     for attempt in (value, float(value)) if isinstance(value, int) else (value,):  # IPOPT tells 1 from 1.0
         try:
             problem.add_option(name, attempt)
