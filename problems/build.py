@@ -14,8 +14,6 @@ from .problem import Constraint, Function, Phase, Problem, Range, State, Variabl
 from .schema.spec import Spec
 from .yaml.document import Path
 
-ZERO = Range(0.0, 0.0)
-
 
 def build(spec: Spec, mesh: int = -1) -> Problem:
     """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
@@ -115,11 +113,11 @@ class _Builder:
     def residuals(self) -> tuple[Constraint, ...]:
         names = residual_names(self.spec)
         own = (
-            Constraint(name, self.function(("residuals", i, "expression"), residual.expression), ZERO)
+            Constraint(name, self.function(("residuals", i, "expression"), residual.expression), Range(0.0, 0.0))
             for i, (residual, name) in enumerate(zip(self.spec.residuals, names, strict=True))
         )
         equations = self.symbols.equations
-        model = (Constraint(n, f, ZERO) for n, f in equations.residuals.items()) if equations else ()
+        model = (Constraint(n, f, Range(0.0, 0.0)) for n, f in equations.residuals.items()) if equations else ()
         return (*model, *own)
 
     def of_model(self, kind: str) -> tuple[Constraint, ...]:

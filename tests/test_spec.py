@@ -17,8 +17,8 @@ from trajopt.problems.errors import FileError
 from trajopt.problems.expressions.functions import smooth_names
 from trajopt.problems.load import load, load_text
 from trajopt.problems.problem import Range
+from trajopt.problems.schema.fields import MAX_DEGREE
 from trajopt.problems.schema.spec import Spec, schema
-from trajopt.problems.schema.values import MAX_DEGREE
 from trajopt.transcription.schemes.runge_kutta import TABLES
 from trajopt.transcription.schemes.table import DEFAULT_DEGREE, INTEGRAL_DEGREE
 

@@ -13,8 +13,8 @@ from ..models.model import Model
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, untreated
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..schema.values import Bounded
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding

@@ -15,8 +15,8 @@ from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
 from ..schema.declarations import TimeEnd
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..schema.values import Bounded
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding

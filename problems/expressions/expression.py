@@ -132,7 +132,7 @@ def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], 
     return [], circles
 
 
-def power(base: Any, exponent: Any) -> Any:
+def _power(base: Any, exponent: Any) -> Any:
     """base ** exponent; a whole exponent stays whole, so that x**2 is x*x and not exp(2 log x)."""
     if isinstance(exponent, float) and exponent.is_integer():
         exponent = int(exponent)
@@ -144,7 +144,7 @@ _ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "-": operator.sub,
     "*": operator.mul,
     "/": operator.truediv,
-    "**": power,
+    "**": _power,
 }
 
 

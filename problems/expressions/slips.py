@@ -20,7 +20,7 @@ RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
 
 MAX_LENGTH = 4000  # characters
 MAX_NAME = 60
-MAX_DEPTH = 50  # parentheses inside parentheses
+MAX_PARENTHESES = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
@@ -152,9 +152,9 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
             opener = opened.pop()
             if opener.text + token.text not in ("()", "[]"):
                 _fail(text, opener, token, f"{opener.text} is closed by {token.text}", "use the matching bracket")
-        if len(opened) > MAX_DEPTH:
+        if len(opened) > MAX_PARENTHESES:
             raise ExpressionError(
-                f"parentheses are nested deeper than {MAX_DEPTH}", "name the inner parts under expressions:"
+                f"parentheses are nested deeper than {MAX_PARENTHESES}", "name the inner parts under expressions:"
             )
     if opened:
         close = ")" if opened[-1].text == "(" else "]"

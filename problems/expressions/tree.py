@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..text import excerpt
 from .functions import FUNCTIONS, smooth_names
-from .slips import ENDS, MAX_DEPTH, RATE, ExpressionError, check_syntax
+from .slips import ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +148,7 @@ class _Span(NamedTuple):
 def _node(tree: ast.expr, text: str, depth: int) -> Node:
     """A syntax node of Python as one of ours; whatever is not named in these functions is refused."""
     span = _Span.of(tree)
-    if depth > MAX_DEPTH:
+    if depth > MAX_PARENTHESES:
         raise ExpressionError(f"{excerpt(text, *span)} is nested too deeply", "name its parts under expressions:")
     node = _leaf(tree, span) or _operation(tree, span, text, depth + 1)
     if node is None:

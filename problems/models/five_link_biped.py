@@ -225,7 +225,7 @@ class Walker:
         return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
 
-def build(parameters: Mapping[str, float]) -> Equations:
+def equations(parameters: Mapping[str, float]) -> Equations:
     """The equations of the walker with these parameters (SI units, by name)."""
     walker, step = Walker.of(parameters), parameters["step_length"]
     swap = {f"swap_q{i}": (partial(_difference, f"q{i}{INITIAL}", f"q{6 - i}{FINAL}"), ZERO) for i in LINKS}  # (F.9)
@@ -286,6 +286,6 @@ MODEL = Model(
     },
     controls=_of_links("u", "N*m", [f"torque of the {name}" for name in _JOINTS]),
     algebraic=_of_links("ddq", "rad/s^2", [f"angular acceleration of the {name}" for name in _NAMES]),
-    build=build,
+    build=equations,
     pose=pose,
 )

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
+from ..schema.fields import Entry
 from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
-from ..schema.values import Entry
 from ..yaml.document import Path
 
-MAX_NAME = 40
+MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
 CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
@@ -98,7 +98,7 @@ def _names(entries: Sequence[ConstraintEntry | Residual], default: str) -> list[
     for entry in entries:
         name = entry.name
         if not name:
-            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_NAME].strip("_") or default
+            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_STEM].strip("_") or default
             candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
             name = next(c for c in candidates if c not in taken and c not in names)
         names.append(name)

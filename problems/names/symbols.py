@@ -11,8 +11,8 @@ from ..expressions.tree import External, Name, Node, count, leaves
 from ..models import find_model
 from ..models.model import Equations
 from ..problem import Function, Range
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..schema.values import Bounded
 from ..text import nearest, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding

@@ -15,8 +15,8 @@ from ..expressions.tree import Name, rate_of
 from ..models import find_model
 from ..models.model import Quantity
 from ..schema.declarations import Algebraic, Control, StateEntry, Velocity
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..schema.values import Bounded
 from ..yaml.document import Path
 
 

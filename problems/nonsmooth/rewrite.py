@@ -28,7 +28,7 @@ from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .signs import Monotone, negative, product
+from .signs import Monotone, negative, product_of_signs
 
 NONNEGATIVE = Range(lower=0.0)
 
@@ -123,7 +123,7 @@ class _Smooth:
         # From below, so that the y of an outer |y| stands on the slack variables of an inner one. By the chain rule the
         # slope of what is minimised by a part is that by the whole times that of the whole by the part.
         parts = zip(below(node), self.slopes(node), strict=True)
-        new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
+        new = rebuilt(node, [self.visit(part, product_of_signs(wanted, slope)) for part, slope in parts])
         if isinstance(new, Operation) and is_inconsistent(new.symbol) and not self.symbols.is_constant(node):
             return self.replaced(self._constants_first(new), wanted)
         return new
@@ -247,7 +247,7 @@ class _Slack(_Smooth):
             if isinstance(node, Name) and node.name in self.symbols.definitions:
                 wanted[node.name] = wanted.get(node.name, frozenset()) | signs
             for inner, slope in zip(below(node), self.monotone.slopes(node), strict=True):
-                spread(inner, product(signs, slope))
+                spread(inner, product_of_signs(signs, slope))
 
         for use in uses(self.spec):
             if use.context not in (CONSTANT, BOUNDARY) and use.path[0] != "expressions":

@@ -14,7 +14,7 @@ from ..expressions.tree import Chain, Name, Node, Operation, below
 from ..problem import Range
 
 
-def product(a: Signs, b: Signs) -> Signs:
+def product_of_signs(a: Signs, b: Signs) -> Signs:
     return frozenset(x * y for x in a for y in b)
 
 
@@ -91,7 +91,7 @@ class Monotone:
         for link in chain.links:
             operand = self.signs(link.operand)
             if link.symbol in "*/":
-                found.append(product(found[-1], operand))
+                found.append(product_of_signs(found[-1], operand))
             else:
                 found.append(found[-1] | (operand if link.symbol == "+" else negative(operand)))
         return found
@@ -109,8 +109,8 @@ class Monotone:
                     by_operand = left
                 case _:  # a quotient falls as its divisor grows, but for the jump at a divisor of zero
                     by_operand = negative(left) if operand != EITHER else EITHER
-            slopes.append(product(above, by_operand))
-            above = product(above, operand) if link.symbol in "*/" else above
+            slopes.append(product_of_signs(above, by_operand))
+            above = product_of_signs(above, operand) if link.symbol in "*/" else above
         return [above, *reversed(slopes)]
 
     def _slopes_of_power(self, base: Node, exponent: Node) -> list[Signs]:
@@ -120,7 +120,7 @@ class Monotone:
         if n is None and signs == POSITIVE:
             by_base = self.signs(exponent)
         elif n is not None and (n >= 0 or signs != EITHER):  # a negative power has a pole at zero
-            by_base = product(POSITIVE if n >= 0 else NEGATIVE, signs if n % 2 == 0 else POSITIVE)
+            by_base = product_of_signs(POSITIVE if n >= 0 else NEGATIVE, signs if n % 2 == 0 else POSITIVE)
             if n % 1:
                 by_base = POSITIVE if n >= 0 else NEGATIVE
         by_exponent = EITHER if b is None else POSITIVE if b >= 1 else NEGATIVE

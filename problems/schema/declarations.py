@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from .values import Entry, Formula, Shorthand, Text, mistake
+from .fields import Entry, Formula, Shorthand, Text, mistake
 
 LOWER = "lower bound; default none"
 UPPER = "upper bound; default none"

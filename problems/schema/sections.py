@@ -10,7 +10,7 @@ from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK, SQRT, TANH
 from ..text import brief
 from .declarations import LOWER, UPPER
-from .values import Entry, Formula, Text, Widths, either_form, mistake
+from .fields import Entry, Formula, Text, Widths, either_form, mistake
 
 MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000

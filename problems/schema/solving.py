@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJson
 
 from ..text import brief, did_you_mean
 from ..yaml.document import in_words
-from .values import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
+from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000

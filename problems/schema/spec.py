@@ -18,9 +18,9 @@ from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
+from .fields import Entry, Formula, Scaling, Text, mistake
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver
-from .values import Entry, Formula, Scaling, Text, mistake
 
 
 class Spec(Entry):

@@ -19,13 +19,13 @@ from ..errors import Mistake, SpecError
 from ..text import brief
 
 MAX_BYTES = 1_000_000
-MAX_DEPTH = 20
+MAX_LEVELS = 20
 MAX_NODES = 300_000
 MAX_ALIASES = 100
 
 Path = tuple[str | int, ...]
 
-_TOO_DEEP = f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation"
+_TOO_DEEP = f"the file is nested deeper than {MAX_LEVELS} levels", "remove brackets or indentation"
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -239,7 +239,7 @@ class _Composer:
     def check_event(self, event: yaml.Event, path: Path) -> None:
         self.nodes += 1
         self.check_size(event)
-        if len(path) > MAX_DEPTH:
+        if len(path) > MAX_LEVELS:
             self.stop(event, *_TOO_DEEP)
         tag = getattr(event, "tag", None)
         if tag is not None:

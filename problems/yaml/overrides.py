@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean
-from .document import MAX_DEPTH, Document, Path, dotted, in_words, value_of
+from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset({"parameters", "expressions", "states", "controls", "algebraic", "optimize"})
@@ -46,7 +46,7 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
 def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
     """The paths that an override names: several with *."""
     steps = shown.replace("[", ".").replace("]", "").split(".")
-    if len(steps) > MAX_DEPTH or "" in steps:
+    if len(steps) > MAX_LEVELS or "" in steps:
         raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
     found: list[tuple[Path, Any]] = [((), data)]
     for step in steps:

@@ -14,8 +14,8 @@ from functools import cache
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
-from ...problems.schema.values import MAX_DEGREE
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
 from .scheme import FiniteDifference, Scheme
