@@ -15,14 +15,14 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list:
 
     Raises SpecError with the mistakes of all files, or the FileError of the first that cannot be read.
     """
-    from ..problems.catalog import find
+    from ..problems.catalog import find_problem
     from ..problems.load import load
     from ..transcription.schemes.table import METHODS, check_schedule
 
     specs, mistakes = [], []
     for name in files:
         try:
-            spec = load(find(name), overrides, tuple(METHODS), _check_options)
+            spec = load(find_problem(name), overrides, tuple(METHODS), _check_options)
             mistakes += spec.locate(check_schedule(spec.mesh))
             specs.append(spec)
         except SpecError as error:

@@ -9,12 +9,10 @@ from .guess import initial_guess
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
-from .nonsmooth.rewrite import Consistent, consistent
+from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
-
-ZERO = Range(0.0, 0.0)
 
 
 def build(spec: Spec, mesh: int = -1) -> Problem:
@@ -37,7 +35,7 @@ class _Builder:
     spec: Spec
     mesh: int
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.symbols = Symbols(self.spec)
         self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh)
         self.added = frozenset(p.name for p in self.rewritten.parameters)
@@ -106,18 +104,20 @@ class _Builder:
         )
 
     def rate(self, state: DeclaredState) -> Function:
+        equations = self.symbols.equations
         if state.rate is None:
-            return self.symbols.equations.rates[state.name]
+            assert equations is not None  # a state without an expression for its rate is a model's
+            return equations.rates[state.name]
         return self.function(state.rate_path, state.rate)
 
     def residuals(self) -> tuple[Constraint, ...]:
         names = residual_names(self.spec)
         own = (
-            Constraint(name, self.function(("residuals", i, "expression"), residual.expression), ZERO)
+            Constraint(name, self.function(("residuals", i, "expression"), residual.expression), Range(0.0, 0.0))
             for i, (residual, name) in enumerate(zip(self.spec.residuals, names, strict=True))
         )
         equations = self.symbols.equations
-        model = (Constraint(n, f, ZERO) for n, f in equations.residuals.items()) if equations else ()
+        model = (Constraint(n, f, Range(0.0, 0.0)) for n, f in equations.residuals.items()) if equations else ()
         return (*model, *own)
 
     def of_model(self, kind: str) -> tuple[Constraint, ...]:
@@ -131,9 +131,9 @@ class _Builder:
         written: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
         for (path, constraint), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
             function = self.function((*path, "expression"), constraint.expression)
-            written[path[1]].append(Constraint(name, function, self.symbols.range(constraint)))
+            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint)))
         return written
 
-    def slack(self, constraint: Constraint) -> Constraint:
+    def slack(self, relation: Relation) -> Constraint:
         """A constraint on slack variables, its function completed."""
-        return Constraint(constraint.name, self.bound(constraint.function), constraint.bounds)
+        return Constraint(relation.name, self.bound(relation.expression), relation.bounds)

@@ -19,7 +19,7 @@ def shipped() -> dict[str, Path]:
     return {path.stem: path for path in sorted(_FOLDER.glob("*.yaml")) if path.stem != TEMPLATE}
 
 
-def find(name: str) -> Path:
+def find_problem(name: str) -> Path:
     """The file that a user means: a path that exists, or the name of a shipped problem ("cartpole", "cartpole.yaml").
 
     Raises FileError if it is neither.
@@ -39,10 +39,14 @@ def find(name: str) -> Path:
 def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     """Write NAME.yaml in the current folder, a copy of a shipped problem or of the commented template.
 
+    name: of the file, with or without its suffix, and of the problem in it.
+    source: the name of a shipped problem, a path, or "template".
+    force: whether an existing file is replaced.
+
     Raises FileError if it cannot be written, if it exists and `force` is not set, or if there is no such source.
     """
     target = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
-    origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find(source)
+    origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find_problem(source)
     check_writable(target, force)
     text = origin.read_text(encoding="utf-8")
     title = target.stem if re.fullmatch(r"[A-Za-z][\w-]*", target.stem) else json.dumps(target.stem)

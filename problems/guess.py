@@ -21,8 +21,13 @@ def initial_guess(
     times: tuple[Range, Range],
     slack: Sequence[Variable] = (),
 ) -> Guess:
-    """The guess that the file asks for; times: ranges of the initial and the final time.
+    """The guess that the file asks for.
 
+    spec, symbols: the file without mistakes, its names and values.
+    states: of the problem, with their ranges at both ends; each gets a straight line, or what the file gives.
+    inputs: the controls, then the algebraic variables; each is zero, as near as its bounds allow, or what the file
+        gives.
+    times: ranges of the initial and of the final time, in the unit of time of the file.
     slack: static parameters that the file does not name. Like slack controls they start at zero (paper, 8.5).
     """
     keyframes = {name: np.array([symbols.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
@@ -49,15 +54,20 @@ def keyframe_positions(keyframes: Mapping[str, np.ndarray]) -> np.ndarray:
     """Normalised times s of the keyframes, shape (K,): 0 and 1 where there are none, evenly spaced without `time`."""
     if "time" in keyframes:
         time = keyframes["time"]
-        return (time - time[0]) / (time[-1] - time[0])
+        s: np.ndarray = (time - time[0]) / (time[-1] - time[0])
+        return s
     return np.linspace(0.0, 1.0, len(next(iter(keyframes.values()), (0, 1))))
 
 
 def ends(state: State, initial: Range, final: Range) -> tuple[float, float]:
-    """Initial and final value of the straight line; initial, final: what the file asks for, without the bounds.
+    """Initial and final value of the straight line of a state, in its unit.
 
     An end takes its value, or the middle of its range; one that is free takes the value of the other, else 0. All are
     clipped into the bounds.
+
+    state: its ranges at both ends lie inside its bounds.
+    initial: what the file asks for at the initial time, without the bounds.
+    final: what it asks for at the final time.
     """
     known = [middle(r, inf) if isfinite(r.lower) and isfinite(r.upper) else None for r in (initial, final)]
     first = next((value for value in known if value is not None), 0.0)

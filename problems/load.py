@@ -9,14 +9,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from .checks.repair import repair
-from .checks.values import NO_STATES, check
+from .checks.values import NO_STATES, check_spec
 from .errors import FileError, Mistake, SpecError
 from .schema import messages
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .schema.spec import Spec
 from .text import brief, nearest
-from .yaml import document as yamltext
-from .yaml.locations import Finding, Places
+from .yaml.document import MAX_BYTES, decode, read_document
+from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
 
 _UNSAFE = {
@@ -38,9 +38,13 @@ def load(
 ) -> Spec:
     """The spec of a problem file.
 
+    source: its path.
     overrides: "PATH=VALUE" each, such as "parameters.u_max=15" or "mesh.*.segments=50", applied in turn and checked
-    as if they stood in the file. methods: the names that a mesh entry may give; none means any. options: asked about
-    the options of the engine, which only the engine knows. What is odd but not wrong is in `spec.warnings`.
+        as if they stood in the file.
+    methods: the names that a mesh entry may give; none means any.
+    options: asked about the options of the engine, which only the engine knows; None asks nobody.
+
+    What is odd but not wrong is in `spec.warnings`.
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
@@ -54,8 +58,13 @@ def load_text(
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
 ) -> Spec:
-    """As `load`, from a text; `file` is the name used in messages."""
-    document = yamltext.read(text, file)
+    """As `load`, from a text.
+
+    text: YAML.
+    file: the name used in messages; without its suffix, the name of a problem that gives none.
+    overrides, methods, options: as `load` takes them.
+    """
+    document = read_document(text, file)
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
     if document.data.get("mesh") is None:
         document.data["mesh"] = chosen  # so that an override finds its entries
@@ -64,26 +73,26 @@ def load_text(
         data["mesh"] = chosen
     if data["mesh"] is chosen and data.get("refine") is None:
         data["refine"] = {}
-    places = Places(file, document.lines, given)
+    locations = Locations(file, document.lines, given)
     data.setdefault("name", Path(file).stem)
-    early = _unsafe_options(data.get("solver"), places)
+    early = _unsafe_options(data.get("solver"), locations)
     if options and isinstance(data.get("solver"), dict):
-        early += _refused_options(data["solver"], options, {finding.path[-1] for finding in early})
+        early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
     try:
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, places) + (check(rest)[0] if rest else []) + early
-        raise SpecError(places.mistakes(found)) from None
-    errors, warnings = check(spec)
+        found = messages.findings(error, locations) + (check_spec(rest)[0] if rest else []) + early
+        raise SpecError(locations.mistakes(found)) from None
+    errors, warnings = check_spec(spec)
     if errors or early:
-        raise SpecError(places.mistakes(errors + early))
-    return spec.attach(text, places, warnings)
+        raise SpecError(locations.mistakes(errors + early))
+    return spec.attach(text, locations, warnings)
 
 
-def _unsafe_options(solver: Any, places: Places) -> list[Finding]:
+def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:
     """Options that a file may not set; IPOPT also knows them in capitals, and behind a prefix such as "resto."."""
     found = []
     for name in solver if isinstance(solver, dict) else ():
@@ -93,7 +102,7 @@ def _unsafe_options(solver: Any, places: Places) -> list[Finding]:
             remedy = "remove it, and write each of its options as solver.NAME, in the file or with --set"
             found.append(Finding(("solver", name), what, remedy))
         does = _UNSAFE.get(plain)
-        if does and not places.overridden(("solver", name)):
+        if does and not locations.overridden(("solver", name)):
             what = f"{brief(name)} {does}, which a problem file may not do: it is data, never code"
             remedy = f"remove it, and give it on the command line: --set solver.{brief(name)}=..."
             found.append(Finding(("solver", name), what, remedy))
@@ -104,11 +113,14 @@ def _refused_options(solver: dict[str, Any], options: OptionCheck, known: set[st
     """What the engine itself says of the options that the schema has nothing to say of."""
     own = {*Solver.model_fields, "tol", *known}
     plain = {name: value for name, value in solver.items() if name not in own and isinstance(value, int | float | str)}
-    words = {True: "yes", False: "no"}
-    plain = {name: words[value] if isinstance(value, bool) else value for name, value in plain.items()}
+    plain = {name: _yes_or_no(value) if isinstance(value, bool) else value for name, value in plain.items()}
     engine = solver.get("engine", "ipopt")
     mistakes = options(engine, plain) if engine in ("ipopt", "newton") else ()
     return [Finding(("solver", m.where.removeprefix("solver.")), m.what, m.remedy) for m in mistakes]
+
+
+def _yes_or_no(value: bool) -> str:
+    return "yes" if value else "no"
 
 
 def _read(path: Path) -> str:
@@ -122,8 +134,8 @@ def _read(path: Path) -> str:
         raise FileError(Mistake(str(path), "this is not an ordinary file", "give a YAML problem file"))
     try:
         with path.open("rb") as stream:
-            content = stream.read(yamltext.MAX_BYTES + 1)
+            content = stream.read(MAX_BYTES + 1)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(Mistake(str(path), f"the file cannot be read ({reason})", "check its permissions")) from error
-    return yamltext.decode(content, str(path))
+    return decode(content, str(path))

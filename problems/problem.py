@@ -21,6 +21,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .text import shorten
+
+Numeric = Any
+"""A number, a NumPy array or a Pyomo expression: functions of a problem are written once, for all of them."""
+
 
 class Function(Protocol):
     """A scalar function of named values.
@@ -30,7 +35,7 @@ class Function(Protocol):
     the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
     """
 
-    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any: ...
+    def __call__(self, values: Mapping[str, Numeric], functions: Any, /) -> Numeric: ...
 
 
 TOLERATED_EXCESS = 1e-4
@@ -43,6 +48,9 @@ class Range:
 
     lower: float = -inf
     upper: float = inf
+
+    def __str__(self) -> str:
+        return f"{self.lower:g}" if self.fixed else f"{self.lower:g} to {self.upper:g}"
 
     @property
     def fixed(self) -> bool:
@@ -59,7 +67,8 @@ class Range:
         """How far values are outside, relative to 1 + |bound|; zero inside."""
         ends = ((self.lower, self.lower - values), (self.upper, values - self.upper))
         beyond = [gap / (1 + abs(end)) for end, gap in ends if abs(end) < inf]
-        return np.max([*beyond, np.zeros_like(values)], axis=0)
+        excess: np.ndarray = np.max([*beyond, np.zeros_like(values)], axis=0)
+        return excess
 
 
 @dataclass(frozen=True)
@@ -79,7 +88,7 @@ class State(Variable):
     the acceleration.
     """
 
-    rate: Function = None
+    rate: Function = field(kw_only=True)
     initial: Range = Range()
     final: Range = Range()
     velocity_of: str = ""
@@ -137,15 +146,28 @@ class Phase:
         """The controls, then the algebraic variables: the rows of every array u."""
         return self.controls + self.algebraic
 
-    def values(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
-        """Names -> arrays, from t (...), x (n_x, ...) and u (n_u, ...): what this phase's functions are called with."""
+    def __repr__(self) -> str:
+        """One line: the time, and the names of what varies in it."""
+        kinds = {"states": self.states, "controls": self.controls, "algebraic": self.algebraic}
+        named = [f"{kind} {_named(variables)}" for kind, variables in kinds.items() if variables]
+        time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
+        return f"<Phase {self.name}: {'; '.join([time, *named])}>"
+
+    def arguments(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
+        """What this phase's functions are called with: names -> arrays of shape (...).
+
+        t: times, shape (...), in `time_unit`.
+        x: states, shape (n_x, ...), each in its unit.
+        u: inputs, shape (n_u, ...): the controls, then the algebraic variables.
+        p: name of each static parameter -> its value.
+        """
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}
         inputs = {variable.name: row for variable, row in zip(self.inputs, u, strict=True)}
         return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-        """f(t, x, u, p), shape (n_x, ...)."""
-        values = self.values(t, x, u, p)
+        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
+        values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
             return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])
 
@@ -158,3 +180,14 @@ class Problem:
     sense: int
     phases: tuple[Phase, ...]
     parameters: tuple[Variable, ...] = ()
+
+    def __repr__(self) -> str:
+        """A line for the problem and one for each phase."""
+        sense = "minimize" if self.sense > 0 else "maximize"
+        parameters = f", parameters {_named(self.parameters)}" if self.parameters else ""
+        return "\n  ".join([f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]) + ">"
+
+
+def _named(variables: tuple[Variable, ...]) -> str:
+    """Names for people to read, on less than a line however many there are."""
+    return shorten(", ".join(variable.name for variable in variables))

@@ -22,7 +22,12 @@ def brief(word: str | int) -> str:
 
 
 def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
-    """The offending piece in quotes, inside enough of the expression to find it."""
+    """The offending piece of an expression in quotes, inside enough of the expression to find it.
+
+    text: the whole expression.
+    start, stop: indices of the piece in it.
+    margin: number of characters shown on either side.
+    """
     piece = f'"{shorten(text[start:stop].strip())}"'
     if text[start:stop].strip() == text:
         return piece
@@ -39,6 +44,12 @@ def nearest(word: str | int, known: Iterable[str | int]) -> str | None:
 
 
 def did_you_mean(word: str | int, known: Iterable[str | int], otherwise: str = "", always: str = "") -> str:
-    """A remedy for an unknown word: the known one most like it, or `otherwise`; then what is `always` said."""
+    """A remedy for an unknown word.
+
+    word: as the user wrote it.
+    known: the words it may be; the one most like it is proposed.
+    otherwise: what is said if none is like it.
+    always: what is said after either.
+    """
     close = nearest(word, known)
     return " ".join(filter(None, [f"did you mean {close}?" if close else otherwise, always]))

@@ -166,7 +166,7 @@ class _Hamiltonian:
 
     def values(self) -> dict:
         t, x, u = (a[..., self.points] for a in (self.trajectory.times, self.trajectory.x, self.trajectory.u))
-        return self.phase.values(t, x, u, self.trajectory.parameters)
+        return self.phase.arguments(t, x, u, self.trajectory.parameters)
 
     def hamiltonian(self, values: dict) -> np.ndarray:
         """H = w + lambda f, (B.7), and mu g for each integral constraint."""

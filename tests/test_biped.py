@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from walker import LINKS, LOPSIDED, Q0, TABLE_4, G, T, biped, parameters
 
 from trajopt.problems.errors import SpecError
-from trajopt.problems.models import MODELS, find
+from trajopt.problems.models import MODELS, find_model
 from trajopt.problems.problem import Phase
 from trajopt.transcription.solution.implicit import consistent_inputs
 
@@ -99,7 +99,7 @@ def test_single_stance_is_that_of_lagrange():
 
 def test_residuals_are_moments_about_the_joints():
     """At rest and upright only the torques are left: residual k is u_k; in newton-metres, one to one."""
-    model = find("five_link_biped")
+    model = find_model("five_link_biped")
     equations = model.build(parameters())
     values = dict.fromkeys((*model.states, *model.algebraic), 0.0) | {f"u{i}": 10.0 * i for i in LINKS}
     assert [f(values, np) for f in equations.residuals.values()] == pytest.approx([10, 20, 30, 40, 50])
@@ -107,7 +107,7 @@ def test_residuals_are_moments_about_the_joints():
 
 def test_heel_strike_is_a_plastic_impact():
     """(F.9)-(F.15) against M(q) (v+ - v-) = J' impulse of the unpinned walker with seven coordinates."""
-    equations = find("five_link_biped").build(parameters())
+    equations = find_model("five_link_biped").build(parameters())
     strikes = [f for name, (f, _) in equations.boundary.items() if name.startswith("heel_strike")]
 
     def left_side(q, dq, dq_new):
@@ -125,7 +125,7 @@ def test_heel_strike_is_a_plastic_impact():
 
 
 def test_heel_strike_swaps_the_legs():
-    equations = find("five_link_biped").build(parameters())
+    equations = find_model("five_link_biped").build(parameters())
     values = {f"q{i}[final]": float(i) for i in LINKS} | {f"q{i}[initial]": 10.0 * (6 - i) for i in LINKS}
     swaps = [f(values, np) for name, (f, _) in equations.boundary.items() if name.startswith("swap")]
     assert swaps == pytest.approx([9.0 * i for i in (5, 4, 3, 2, 1)])
@@ -150,7 +150,7 @@ def test_passive_swing_keeps_its_energy():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_model_says_all_that_its_equations_hold(name):
-    model = find(name)
+    model = find_model(name)
     equations = model.build(dict.fromkeys(model.parameters, 0.3))
     assert model.name == name
     assert set(equations.rates) == set(model.states)
@@ -163,13 +163,13 @@ def test_a_model_says_all_that_its_equations_hold(name):
 
 def test_an_unknown_model_is_told_with_the_nearest_name():
     with pytest.raises(SpecError, match=r"did you mean five_link_biped\? the models are five_link_biped"):
-        find("five_link_bipde")
+        find_model("five_link_bipde")
     with pytest.raises(SpecError, match=r'no model "segway"; the models are five_link_biped'):
-        find("segway")
+        find_model("segway")
 
 
 def test_pose_draws_the_links_where_the_equations_have_them():
-    model = find("five_link_biped")
+    model = find_model("five_link_biped")
     values = {f"q{i}": a for i, a in zip(LINKS, Q0, strict=True)}
     pose = model.pose(values, parameters())
     outputs = model.build(parameters()).outputs

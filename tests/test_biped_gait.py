@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from walker import HS, KNEES, STEP, SUPPLEMENT, biped, parameters, run
 
-from trajopt.problems.models import find
+from trajopt.problems.models import find_model
 from trajopt.problems.problem import Constraint, Range
 
 
@@ -86,8 +86,8 @@ def test_foot_stays_above_the_ground(gait):
     """(7.5) holds without being asked for."""
     (trajectory,) = gait().trajectories
     dense = trajectory.dense
-    foot_y = find("five_link_biped").build(parameters()).outputs["foot_y"]
-    y = foot_y(trajectory.phase.values(dense.t, dense.x, dense.u, {}), np)
+    foot_y = find_model("five_link_biped").build(parameters()).outputs["foot_y"]
+    y = foot_y(trajectory.phase.arguments(dense.t, dense.x, dense.u, {}), np)
     assert y.max() == pytest.approx(PRINTED[gait]["height"], abs=5.1e-5)
     assert y[1:-1].min() > 0
     assert (y[0], y[-1]) == pytest.approx((0, 0), abs=1e-8)
@@ -119,7 +119,7 @@ def test_compressed_form_finds_the_same_gait():
 
 def test_foot_clearance_over_a_bump():
     """(7.7): the swing foot stays above h (1 - (x / step length)^2), written with the outputs of the model."""
-    outputs = find("five_link_biped").build(parameters()).outputs
+    outputs = find_model("five_link_biped").build(parameters()).outputs
 
     def clearance(values, functions):
         x, y = (outputs[name](values, functions) for name in ("foot_x", "foot_y"))
@@ -127,7 +127,7 @@ def test_foot_clearance_over_a_bump():
 
     solution = run(biped([Constraint("clearance", clearance, Range(lower=0))]), (HS, 15, 1e-8))
     (trajectory,) = solution.trajectories
-    values = trajectory.phase.values(trajectory.times, trajectory.x, trajectory.u, {})
+    values = trajectory.phase.arguments(trajectory.times, trajectory.x, trajectory.u, {})
     margin = clearance(values, np)
     assert margin.min() > -1e-7
     assert np.sum(margin < 1e-6) > 2

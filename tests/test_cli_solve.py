@@ -94,7 +94,7 @@ def test_a_wrong_command_line(arguments):
 
 def test_quiet_and_verbose():
     assert trajopt("solve", "cartpole", "-q").output == ""
-    quiet = trajopt("solve", "cartpole", "-q", "--set", "solver.max_iter=1")
+    quiet = trajopt("solve", "cartpole", "-q", "--set", "solver.max_iter=1", "-o", "a.h5")
     assert (quiet.exit_code, quiet.stdout) == (1, "") and quiet.stderr.startswith("not solved: ")
     verbose = trajopt("solve", "van_der_pol", "-v")
     assert verbose.exit_code == 0 and verbose.stdout.startswith("Van der Pol oscillator: solved")

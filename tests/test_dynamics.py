@@ -6,7 +6,7 @@ import pytest
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.problems.models import find
+from trajopt.problems.models import find_model
 from trajopt.problems.problem import Range
 from trajopt.transcription.settings import Settings, steps
 from trajopt.transcription.solve import solve
@@ -181,7 +181,7 @@ def test_biped_on_the_meshes_of_the_paper():
 def test_a_model_gives_what_the_file_leaves_out():
     spec = load(shipped()["biped"], ["states.q3=", "states.dq1.unit=deg/s", "controls.u2.upper=5"])
     (phase,) = build(spec).phases
-    model = find("five_link_biped")
+    model = find_model("five_link_biped")
     assert [state.name for state in phase.states] == list(model.states)
     assert phase.states[2].bounds == Range() and phase.states[2].unit == "rad"
     assert phase.states[5].unit == "deg/s" and phase.controls[1].bounds == Range(-100, 5)

@@ -9,10 +9,11 @@ import pyomo.core
 import pytest
 
 from trajopt.problems.expressions.expression import parse
-from trajopt.problems.expressions.slips import FUNCTIONS, ExpressionError
+from trajopt.problems.expressions.functions import smooth_names
+from trajopt.problems.expressions.slips import ExpressionError
 
 NAMES = {"x": 0.7, "y": -0.3, "q1": 1.9, "u_max": 2.5}
-PYTHON = {**{name: getattr(math, name) for name in FUNCTIONS}, "pi": math.pi, "__builtins__": {}}
+PYTHON = {**{name: getattr(math, name) for name in smooth_names()}, "pi": math.pi, "__builtins__": {}}
 
 
 def random_text(rng: random.Random, depth: int) -> str:

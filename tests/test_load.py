@@ -24,13 +24,13 @@ def good(*overrides: str, text: str = broken.GOOD):
      ("9" * 5000, math.inf), ("2*pi", "2*pi")],
 )  # fmt: skip
 def test_yaml_values(text, value):
-    assert yamltext.value(text, "here") == value
+    assert yamltext.value_of(text, "here") == value
 
 
 @pytest.mark.parametrize("loader", ["CSafeLoader", "SafeLoader"])
 def test_both_yaml_parsers_agree(loader, monkeypatch):
     monkeypatch.setattr(yamltext, "_LOADER", getattr(yaml, loader))
-    document = yamltext.read(broken.GOOD, "good.yaml")
+    document = yamltext.read_document(broken.GOOD, "good.yaml")
     assert document.data["mesh"] == [{"method": "hermite-simpson", "segments": 10, "tolerance": 1e-8}]
     assert document.lines["states", "v", "rate"] == 13
     assert document.lines["guess", "keyframes", "x", 2] == 28
@@ -38,7 +38,7 @@ def test_both_yaml_parsers_agree(loader, monkeypatch):
 
 def test_anchors_are_copies():
     text = "a: &a {b: 1}\nc: *a\n"
-    document = yamltext.read(text, "f")
+    document = yamltext.read_document(text, "f")
     document.data["c"]["b"] = 2
     assert document.data == {"a": {"b": 1}, "c": {"b": 2}}
 
@@ -181,7 +181,7 @@ def test_engines():
 )
 def test_ways_to_treat_abs(override, kind, widths):
     spec = good(override)
-    assert (spec.nonsmooth.kind, [w.text for w in spec.nonsmooth.widths]) == (kind, widths)
+    assert (spec.nonsmooth.treatment, [w.text for w in spec.nonsmooth.widths]) == (kind, widths)
     assert good().nonsmooth is None
 
 

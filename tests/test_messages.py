@@ -13,9 +13,9 @@ from pydantic import BaseModel
 from trajopt.cli.loading import load_all
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.problems.schema.messages import EXAMPLES, form
+from trajopt.problems.schema.messages import EXAMPLES, how_written
 from trajopt.problems.schema.spec import Spec
-from trajopt.problems.yaml import document as yamltext
+from trajopt.problems.yaml.document import read_document, value_of
 
 # Every section and every key that the good file leaves out, so that the walk meets it.
 FULL = {
@@ -54,7 +54,7 @@ FOREIGN = re.compile(
 
 def full_data(key=None):
     """A file with every key, but for those that exclude each other: then it has the given one."""
-    data = yamltext.read(broken.IMPLICIT, "full.yaml").data | copy.deepcopy(FULL | OTHERS.get(key, {}))
+    data = read_document(broken.IMPLICIT, "full.yaml").data | copy.deepcopy(FULL | OTHERS.get(key, {}))
     data["time"]["final"] = {"lower": 1, "upper": 3, "guess": 2}
     data["states"]["p"] = {
         "unit": "rad", "accel": "u - p", "note": "an angle", "initial": {"lower": 0, "upper": 1}, "final": {"value": 1},
@@ -135,12 +135,14 @@ def test_no_message_is_foreign(value):
 def test_an_example_is_right(key):
     """Wherever a message gives it, it makes no mistake, but that its names may not go with those of the file."""
     full = full_data(key)
-    matches = [path for path in paths(full) if path[-1] == key and form(path) == f"for example {key}: {EXAMPLES[key]}"]
+    matches = [
+        path for path in paths(full) if path[-1] == key and how_written(path) == f"for example {key}: {EXAMPLES[key]}"
+    ]
     assert matches, key
     for example in EXAMPLES[key].split(", or "):
         for path in matches:
             try:
-                load_text(written(replaced(full, path, yamltext.value(example, key))), "full.yaml", (), broken.METHODS)
+                load_text(written(replaced(full, path, value_of(example, key))), "full.yaml", (), broken.METHODS)
             except SpecError as error:
                 inside = [m for m in error.mistakes if place(m)[: len(path)] == path]
                 assert not [m for m in inside if not OF_THE_FILE.search(m.what)], example

@@ -43,9 +43,9 @@ def quadrature_error(trajectory) -> float:
         return 0.0
     nodes, weights = np.polynomial.legendre.leggauss(20)
     inside = trajectory.grid(np.arange(mesh.segments), (nodes + 1) / 2)
-    values = trajectory.phase.values(inside.t, inside.x, inside.u, trajectory.parameters)
+    values = trajectory.phase.arguments(inside.t, inside.x, inside.u, trajectory.parameters)
     exact = (trajectory.h * (np.broadcast_to(w(values, np), inside.t.shape) @ weights) / 2).sum()
-    at_points = trajectory.phase.values(trajectory.times, trajectory.x, trajectory.u, trajectory.parameters)
+    at_points = trajectory.phase.arguments(trajectory.times, trajectory.x, trajectory.u, trajectory.parameters)
     own = (trajectory.t[1] - trajectory.t[0]) * (mesh.weights * w(at_points, np)).sum()
     return float(abs(exact - own))
 

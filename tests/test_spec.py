@@ -12,18 +12,18 @@ import yaml
 from named import FAMILIES
 
 from trajopt.problems.build import build
-from trajopt.problems.catalog import find, shipped, start_new
+from trajopt.problems.catalog import find_problem, shipped, start_new
 from trajopt.problems.errors import FileError
-from trajopt.problems.expressions.slips import FUNCTIONS
+from trajopt.problems.expressions.functions import smooth_names
 from trajopt.problems.load import load, load_text
 from trajopt.problems.problem import Range
+from trajopt.problems.schema.fields import MAX_DEGREE
 from trajopt.problems.schema.spec import Spec, schema
-from trajopt.problems.schema.values import MAX_DEGREE
 from trajopt.transcription.schemes.runge_kutta import TABLES
 from trajopt.transcription.schemes.table import DEFAULT_DEGREE, INTEGRAL_DEGREE
 
 DOCS = (Path(__file__).parent.parent / "docs" / "problem_file.md").read_text()
-SHIPPED = [*shipped().values(), find("cartpole").with_name("template.yaml")]
+SHIPPED = [*shipped().values(), find_problem("cartpole").with_name("template.yaml")]
 
 
 def built(*edits: tuple[str, str]):
@@ -110,7 +110,7 @@ def test_every_key_stands_in_the_docs():
 
 
 def test_the_docs_and_the_schema_name_the_methods_and_functions():
-    assert f"`{' '.join(FUNCTIONS)}`" in DOCS
+    assert f"`{' '.join(smooth_names())}`" in DOCS
     for name in (*FAMILIES, *(table.name for table in TABLES)):
         assert f"`{name}`" in DOCS
     degree = schema()["$defs"]["Mesh"]["properties"]["degree"]
@@ -137,7 +137,7 @@ def test_the_full_spec_is_a_problem_file_again(path):
 
 
 def test_cartpole():
-    problem = build(load(find("cartpole")))
+    problem = build(load(find_problem("cartpole")))
     (phase,) = problem.phases
     q2, v1 = phase.states[1], phase.states[2]
     assert (problem.sense, phase.initial_time, phase.final_time) == (1, Range(0, 0), Range(2, 2))
@@ -228,18 +228,18 @@ def test_a_spec_made_in_python_builds():
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("name", ["cartpole", "cartpole.yaml"])
 def test_shipped_problems_by_name(name):
-    assert find(name) == shipped()["cartpole"]
+    assert find_problem(name) == shipped()["cartpole"]
 
 
 @pytest.mark.parametrize(("name", "says"), [("cartpol", "did you mean cartpole?"), ("no/x.yaml", "look into no")])
 def test_a_name_that_is_not_shipped(name, says):
     with pytest.raises(FileError, match=says.replace("?", r"\?")):
-        find(name)
+        find_problem(name)
 
 
 def test_a_file_of_ones_own_comes_before_a_shipped_one(folder):
     (folder / "cartpole.yaml").write_text(broken.GOOD)
-    assert load(find("cartpole.yaml")).name == "a good file"
+    assert load(find_problem("cartpole.yaml")).name == "a good file"
 
 
 @pytest.mark.usefixtures("folder")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trajopt.problems.models import find
+from trajopt.problems.models import find_model
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
@@ -38,7 +38,7 @@ def parameters(table=TABLE_4, **changes) -> dict[str, float]:
 
 def biped(path=(), table=TABLE_4, **changes) -> Problem:
     """The walking problem of the paper's section 7, for Table 4 with some parameters changed."""
-    model = find("five_link_biped")
+    model = find_model("five_link_biped")
     equations = model.build(parameters(table, **changes))
     ranges = {name: BOUNDS[name[:-1]] for name in (*model.states, *model.controls, *model.algebraic)}
     ranges["u1"] = Range(0, 0)  # the ankle has no motor

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..problems.schema.solving import Mesh as MeshEntry
+from ..problems.schema.solving import MeshEntry
 from ..problems.schema.spec import Spec
 from .engines import ipopt
 from .engines.outcome import Outcome, Status

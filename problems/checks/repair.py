@@ -57,7 +57,7 @@ def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
         # a list where one value should stand
         nodes.pop()
     path = path[: len(nodes)]
-    if path[0] == "states" and _keeps_dynamics(nodes[-1], path[-1], extra):
+    if path[0] == "states" and _keeps_dynamics(nodes[-1], str(path[-1]), extra):
         return
     harmless = None if extra else _harmless(path)
     if harmless is None and isinstance(nodes[-1], dict):
@@ -88,7 +88,7 @@ def _below(node: Any, key: str | int) -> Any:
 
 def _harmless(path: Path) -> Any:
     """A value about which no check says anything; None where the key is better left out."""
-    known = UNKNOWN if path[-1] in _FORMULAS and len(path) > 1 else None
+    known: Any = UNKNOWN if path[-1] in _FORMULAS and len(path) > 1 else None
     match path:
         case ("trajopt",):
             known = 1

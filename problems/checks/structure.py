@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import NamedTuple
 
+from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
-from ..models import find
+from ..models import find_model
 from ..models.model import Model
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
-from ..nonsmooth.rewrite import consistent, refused
+from ..nonsmooth.rewrite import consistent, untreated
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
@@ -20,15 +22,20 @@ from ..yaml.locations import Finding
 _SHOWN = 5
 
 
-def check(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
-    """Every mistake. numbers: path -> value of the constants that have one."""
-    found = [*refused(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+def structure_mistakes(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> list[Finding]:
+    """Every mistake in how the problem is put together.
+
+    spec: as the schema has passed it.
+    symbols: its names and values.
+    numbers: path -> value of every constant of the file that has one, in the unit of the file.
+    """
+    found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
     if spec.solver.engine == "newton":
         found += _inequalities(spec, symbols, numbers)
-    return [*found, *(_model(spec, find(spec.model)) if spec.model else _residuals(spec, symbols))]
+    return [*found, *(_model(spec, find_model(spec.model)) if spec.model else _residuals(spec, symbols))]
 
 
-def warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
+def structure_warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
     """What is odd in a spec without mistakes."""
     return [*consistent(spec, symbols).warnings, *_high_index(spec, symbols)]
 
@@ -37,7 +44,7 @@ def _widths(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """alpha or beta: positive, and one, or one for each entry of the mesh schedule."""
     if spec.nonsmooth is None or not spec.nonsmooth.widths:
         return
-    path, meshes = ("nonsmooth", spec.nonsmooth.kind), len(spec.mesh)
+    path, meshes = ("nonsmooth", spec.nonsmooth.treatment), len(spec.mesh)
     given = len(spec.nonsmooth.widths)
     if given not in (1, meshes):
         what = f"there are {given} values for {_count(meshes, 'entry')} of the mesh schedule"
@@ -54,7 +61,7 @@ def _tolerance(spec: Spec) -> Iterator[Finding]:
         yield Finding(("solver", "tol"), "the tolerance of the solver belongs to the mesh", remedy)
 
 
-def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+def scaling_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Sizes are given for unknowns only; with `nonsmooth`, for a spec that is otherwise right."""
     if not isinstance(spec.scaling, dict):
         return
@@ -72,13 +79,13 @@ def scaling(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """What Newton's method cannot do: a range of more than one value, of a variable or of a constraint."""
     remedy = "make it one value, remove it, or leave out engine: newton"
-    for path, entry, bounds in _ranges(spec, symbols):
+    for path, entry, bounds in _limited(spec, symbols):
         lower, upper = (numbers.get((*path, key)) for key in ("lower", "upper"))
         if getattr(entry, "equals", None) is None and lower != upper:
             what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
             at = (*path, "lower" if lower is not None else "upper") if bounds else path
             yield Finding(at, what, remedy)
-    if spec.nonsmooth and spec.nonsmooth.kind == SLACK:
+    if spec.nonsmooth and spec.nonsmooth.treatment == SLACK:
         what = "the Newton engine takes no bounds, and slack variables have them"
         yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")
     for group in (symbols.equations.path, symbols.equations.boundary) if symbols.equations else ():
@@ -88,15 +95,23 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
                 yield Finding(("model",), what, "leave out engine: newton")
 
 
-def _ranges(spec: Spec, symbols: Symbols) -> Iterator[tuple[Path, Any, bool]]:
-    """(path, entry, whether it bounds a variable) for all that has lower and upper."""
+class _Limited(NamedTuple):
+    """What has lower and upper, its path, and whether it bounds a variable rather than a constraint."""
+
+    path: Path
+    entry: Bounded | None
+    of_variable: bool
+
+
+def _limited(spec: Spec, symbols: Symbols) -> Iterator[_Limited]:
+    """All that has lower and upper."""
     for declared in (*symbols.states, *symbols.controls, *symbols.algebraic):
-        yield declared.path, declared.entry, True
-    for path, entry in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
+        yield _Limited(declared.path, declared.entry, True)
+    for path, owner in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
         for end in ("initial", "final"):
-            yield (*path, end), getattr(entry, end), True
-    yield from ((("optimize", name), entry, True) for name, entry in spec.optimize.items())
-    yield from ((path, entry, False) for path, entry in constraints(spec))
+            yield _Limited((*path, end), getattr(owner, end), True)
+    yield from (_Limited(("optimize", name), entry, True) for name, entry in spec.optimize.items())
+    yield from (_Limited(path, entry, False) for path, entry in constraints(spec))
 
 
 def _residuals(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
@@ -132,7 +147,8 @@ def _count(number: int, noun: str) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    return ", ".join(names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
+    shown = names if len(names) <= _SHOWN else [*names[:_SHOWN], "..."]
+    return ", ".join(shown)
 
 
 def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
@@ -144,7 +160,7 @@ def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
             yield Finding(("residuals", i, "expression"), what, "differentiate it by time until one does")
 
 
-def _names(expression, symbols: Symbols) -> set[str]:
+def _names(expression: Expression, symbols: Symbols) -> set[str]:
     """The names in an expression and in the definitions that it uses."""
     bound = symbols.function(expression)
     trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]

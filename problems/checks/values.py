@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 from math import inf, isfinite
-from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.slips import MAX_NAME, RESERVED
 from ..expressions.tree import leaves
-from ..models import find
+from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
+from ..schema.declarations import TimeEnd
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
@@ -27,16 +28,23 @@ NO_STATES = Finding(
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
-_USED = ("parameter", "expression", CONTROL, ALGEBRAIC, "static parameter")  # kinds that should stand in expressions
+# What should stand in some expression: its role, and the section that declares it.
+_USED = {
+    "parameter": "parameters",
+    "expression": "expressions",
+    CONTROL: "controls",
+    ALGEBRAIC: "algebraic",
+    "static parameter": "optimize",
+}
 
 
-def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
+def check_spec(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """Every mistake and every warning that concerns more than one value."""
     if not spec.model and not spec.states:
         return [NO_STATES], []
     checker = _Checker(spec)
     checker.names()
-    checker.values()
+    checker.constants()
     checker.varying_at_ends()
     checker.time()
     for declared in checker.declared():
@@ -51,14 +59,14 @@ def check(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     checker.static_guesses()
     checker.guess_names()
     checker.guess_values()
-    checker.errors += structure.check(spec, checker.symbols, checker.numbers)
+    checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
     if not (spec.nonsmooth and checker.errors):
-        checker.errors += structure.scaling(spec, checker.symbols)
+        checker.errors += structure.scaling_mistakes(spec, checker.symbols)
     if not checker.errors:
         checker.objective()
         checker.constant_constraints()
         checker.unused()
-        checker.warnings += structure.warnings(spec, checker.symbols)
+        checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
 
@@ -79,8 +87,9 @@ class _Checker:
 
     def names(self) -> None:
         """Names are words, not reserved, and each declared once."""
-        spec, first = self.spec, {}
-        model = find(spec.model) if spec.model else None
+        spec = self.spec
+        first: dict[str, str] = {}
+        model = find_model(spec.model) if spec.model else None
         for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
@@ -104,13 +113,13 @@ class _Checker:
             self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
-        first.setdefault(name, path[0])
+        first.setdefault(name, str(path[0]))
 
     def declared(self) -> tuple[Declared, ...]:
         """Every variable over time."""
         return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
 
-    def values(self) -> None:
+    def constants(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
         for path, expression, context in uses(self.spec):
             if path[0] in ("parameters", "expressions") or not self.symbols.sound(path, expression):
@@ -123,7 +132,9 @@ class _Checker:
     def varying_at_ends(self) -> None:
         """A named expression that varies in time needs [initial] or [final] at the boundary; a constant one none."""
         for path, expression, context in uses(self.spec):
-            for name in leaves(expression.root) if context == BOUNDARY else ():
+            if context != BOUNDARY:
+                continue
+            for name in leaves(expression.root):
                 if name.name not in self.symbols.definitions:
                     continue
                 varies = name.name in self.symbols.varying
@@ -133,12 +144,12 @@ class _Checker:
                 elif name.end and not varies:
                     self.error(path, f"{name.name} is constant and has only one value", f"write {name.name}")
 
-    def bounds(self, path: Path, entry: Any) -> None:
+    def bounds(self, path: Path, entry: Bounded) -> None:
         lower, upper = self.number(path, entry.lower, "lower"), self.number(path, entry.upper, "upper")
         if lower is not None and upper is not None and lower > upper:
             self.error((*path, "lower"), f"lower {lower:g} is above upper {upper:g}", "exchange or change them")
 
-    def range(self, path: Path, entry: Any) -> Range | None:
+    def range(self, path: Path, entry: Bounded | None) -> Range | None:
         """The range of an entry; None where one of its ends is mistaken."""
         if entry is None:
             return Range()
@@ -167,29 +178,29 @@ class _Checker:
                 continue
             common = bounds.intersection(asked)
             if common.lower > common.upper:
-                what = f"the {end} value {_range(asked)} lies outside the bounds {_range(bounds)} of {state.name}"
+                what = f"the {end} value {asked} lies outside the bounds {bounds} of {state.name}"
                 self.error(path, what, "change it, or lower: and upper: of the state")
 
     def time(self) -> None:
-        entries = {end: getattr(self.spec.time, end) for end in ("initial", "final")}
+        entries = {"initial": self.spec.time.initial, "final": self.spec.time.final}
         for end, entry in entries.items():
             self.bounds(("time", end), entry)
         ranges = {end: self.range(("time", end), entry) for end, entry in entries.items()}
         initial, final = ranges["initial"], ranges["final"]
         if initial and final and final.upper <= initial.lower:
-            what = f"the final time {_range(final)} is not after the initial time {_range(initial)}"
+            what = f"the final time {final} is not after the initial time {initial}"
             self.error(("time", "final"), what, "make the final time larger")
             return
-        guesses = [self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final")]
-        if None not in guesses and guesses[0] >= guesses[1]:
-            what = f"the guess {guesses[1]:g} of the final time is not after that of the initial time, {guesses[0]:g}"
+        first, last = (self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final"))
+        if first is not None and last is not None and first >= last:
+            what = f"the guess {last:g} of the final time is not after that of the initial time, {first:g}"
             self.error(("time", "final"), what, "give guess: a larger value")
 
-    def time_guess(self, end: str, entry: Any, bounds: Range | None) -> float | None:
+    def time_guess(self, end: str, entry: TimeEnd, bounds: Range | None) -> float | None:
         if bounds is None:
             return None
         if entry.value is None and entry.guess is None and not (isfinite(bounds.lower) and isfinite(bounds.upper)):
-            what = f"the {end} time is free in the open range {_range(bounds)}, so it needs a guess"
+            what = f"the {end} time is free in the open range {bounds}, so it needs a guess"
             self.error(("time", end), what, f"add guess: with a likely value, in {self.spec.time.unit}")
             return None
         guess = self.numbers.get(("time", end, "guess"), (bounds.lower + bounds.upper) / 2)
@@ -199,7 +210,7 @@ class _Checker:
     def inside(self, path: Path, values: list[float], bounds: Range | None) -> None:
         outside = [v for v in values if bounds is not None and not bounds.lower <= v <= bounds.upper]
         if outside:
-            what = f"the guess {outside[0]:g} lies outside the bounds {_range(bounds)}"
+            what = f"the guess {outside[0]:g} lies outside the bounds {bounds}"
             self.warn(path, what, "choose a guess inside; the solver moves it there first")
 
     def constraint_names(self) -> None:
@@ -237,10 +248,10 @@ class _Checker:
         """Keyframes have one length and increasing times; guesses lie inside the bounds."""
         rows = {("guess", "constants", name): [value] for name, value in self.spec.guess.constants.items()}
         keyframes = {("guess", "keyframes", name): row for name, row in self.spec.guess.keyframes.items()}
-        first = next(iter(keyframes), None)
+        first, wanted = next(((path[-1], len(row)) for path, row in keyframes.items()), ("", 0))
         for path, row in keyframes.items():
-            if len(row) != len(keyframes[first]):
-                what = f"{path[-1]} has {len(row)} keyframes, {first[-1]} has {len(keyframes[first])}"
+            if len(row) != wanted:
+                what = f"{path[-1]} has {len(row)} keyframes, {first} has {wanted}"
                 self.error(path, what, "give all of them the same number of values")
         declared = {variable.name: variable for variable in self.declared()}
         for path, row in {**rows, **keyframes}.items():
@@ -279,15 +290,10 @@ class _Checker:
         """Names that are declared and then play no part."""
         named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
         if self.spec.model:
-            model = find(self.spec.model)
+            model = find_model(self.spec.model)
             named |= {*model.parameters, *model.controls, *model.algebraic}
-        for name, kind in self.symbols.kinds.items():
-            if kind in _USED and name not in named:
-                group = {"static parameter": "optimize", ALGEBRAIC: "algebraic"}.get(kind, kind + "s")
-                self.warn((group, name), f"the {kind} {name} is used nowhere", "remove it, or use it in an expression")
-
-
-def _range(bounds: Range) -> str:
-    if bounds.fixed:
-        return f"{bounds.lower:g}"
-    return f"{bounds.lower:g} to {bounds.upper:g}"
+        for name, role in self.symbols.roles.items():
+            if role in _USED and name not in named:
+                self.warn(
+                    (_USED[role], name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression"
+                )

@@ -1,9 +1,9 @@
 """Expression strings as functions of named values: arithmetic, never code.
 
-An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of `syntax.CALLABLE`, and at the
-boundary q[initial] and q[final]. `tree.read` turns it into a small tree, and a walk over that tree evaluates it. A walk
-does the same operations in the same order at every call, so that every function is consistent in the sense of the
-paper, section 5.5.
+An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of the table in functions.py, and
+at the boundary q[initial] and q[final]. `tree.parse_tree` turns it into a small tree, and a walk over that tree
+evaluates it. A walk does the same operations in the same order at every call, so that every function is consistent in
+the sense of the paper, section 5.5.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..text import shorten, tidy
-from .slips import FUNCTIONS, MAX_EXPONENT, ExpressionError
-from .smooth import EXACT, STAND_INS
-from .tree import External, Name, Node, Number, Operation, leaves, read
+from .functions import FUNCTIONS
+from .slips import MAX_EXPONENT, ExpressionError
+from .smooth import STAND_INS
+from .tree import Chain, External, Name, Node, Number, Operation, leaves, parse_tree
 
 
 class Fault(NamedTuple):
     """The innermost sub-expression without a finite value.
 
-    text: the sub-expression. index: into the array of values, 0 for scalars. values: each of its names -> its value
+    text: the sub-expression. at: index into the array of values, 0 for scalars. values: each of its names -> its value
     there. why: one phrase, such as "divides by zero".
     """
 
     text: str
-    index: int
+    at: int
     values: dict[str, float]
     why: str
 
@@ -48,7 +49,7 @@ class Expression:
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
         """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once."""
-        return _Walk(values, functions).value(self)
+        return _Walk(values, functions).evaluate(self)
 
     def bind(
         self,
@@ -58,6 +59,8 @@ class Expression:
     ) -> Expression:
         """This expression with numbers for its parameters and expressions for the names defined by others.
 
+        parameters: name -> number, in the unit of the file.
+        definitions: name -> the expression that the name stands for; others are evaluated after those they refer to.
         static: names of the static parameters; like `parameters` they are the same at both ends of time.
         """
         return replace(self, parameters=parameters, definitions=definitions, static=static)
@@ -72,7 +75,7 @@ class Expression:
         walk = _Audit(values, np)
         try:
             with np.errstate(all="ignore"):
-                walk.value(self)
+                walk.evaluate(self)
         except _Found as found:
             return found.fault
         return None
@@ -110,7 +113,7 @@ class Expression:
     def constant(self) -> float:
         """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
         with np.errstate(all="ignore"):
-            return float(_Walk({}, np, np.float64).value(self))
+            return float(_Walk({}, np, np.float64).evaluate(self))
 
 
 def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], list[list[str]]]:
@@ -118,7 +121,8 @@ def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], 
 
     Names in a circle are left out of the order. After `most` circles the search ends, and the order is empty.
     """
-    graph, circles = dict(graph), []
+    graph = dict(graph)
+    circles: list[list[str]] = []
     while len(circles) < most:
         try:
             return [name for name in TopologicalSorter(graph).static_order() if name in graph], circles
@@ -128,19 +132,19 @@ def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], 
     return [], circles
 
 
-def power(base: Any, exponent: Any) -> Any:
+def _power(base: Any, exponent: Any) -> Any:
     """base ** exponent; a whole exponent stays whole, so that x**2 is x*x and not exp(2 log x)."""
     if isinstance(exponent, float) and exponent.is_integer():
         exponent = int(exponent)
     return base**exponent
 
 
-_ARITHMETIC = {
+_ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
     "/": operator.truediv,
-    "**": power,
+    "**": _power,
 }
 
 
@@ -154,7 +158,7 @@ class _Walk:
         self.values, self.functions, self.number = values, functions, number
         self.scope: dict[str, Any] = {}
 
-    def value(self, expression: Expression) -> Any:
+    def evaluate(self, expression: Expression) -> Any:
         self.key = expression._key
         self.scope = {name: self.number(value) for name, value in expression.parameters.items()}
         for key, (definition, end) in expression.steps.items():
@@ -175,20 +179,20 @@ class _Walk:
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
             case External():
                 return self.call(node)
-        result = self.visit(node.first)
-        for step in node.steps:
-            result = self.apply(step.symbol, step, [result, self.visit(step.operand)])
-        return result
+            case Chain(first=first, links=links):
+                result = self.visit(first)
+                for link in links:
+                    result = self.apply(link.symbol, link, [result, self.visit(link.operand)])
+                return result
+        raise TypeError(f"{type(node).__name__} is no node of an expression")
 
     def lookup(self, node: Name) -> Any:
         key = self.key(node.name, node.end or self.end)
         return self.scope[key] if key in self.scope else self.values[key]
 
-    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+    def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
         if symbol in FUNCTIONS:
-            return getattr(self.functions, symbol)(*operands)
-        if symbol in EXACT:
-            return EXACT[symbol](operands)
+            return FUNCTIONS[symbol].evaluate(self.functions, operands)
         if symbol in STAND_INS:
             return STAND_INS[symbol](self.functions, operands)
         return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
@@ -197,7 +201,7 @@ class _Walk:
         return node.function(_Arguments(node, self.lookup), self.functions)
 
 
-class _Arguments(dict):
+class _Arguments(dict[str, Any]):
     """The values of the operands of an external function by name, made when they are asked for."""
 
     def __init__(self, node: External, lookup: Callable[[Name], Any]):
@@ -228,7 +232,7 @@ class _Audit(_Walk):
             self.refuse(node, ~np.isfinite(value), "is not finite")
         return value
 
-    def apply(self, symbol: str, node: Node, operands: list) -> Any:
+    def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
         second = operands[-1]
         if second is not None and symbol == "/":
             self.refuse(node, second == 0, "divides by zero")
@@ -249,8 +253,8 @@ class _Audit(_Walk):
 
     def finite(self, node: Node, result: Any) -> Any:
         self.refuse(node, np.isnan(result), "is not a real number")
-        zero_of_log = isinstance(node, Operation) and node.symbol == "log"
-        self.refuse(node, np.isneginf(result), "is the logarithm of zero" if zero_of_log else "is too large a number")
+        if isinstance(node, Operation) and node.symbol in FUNCTIONS:
+            self.refuse(node, np.isneginf(result), FUNCTIONS[node.symbol].minus_infinity)
         self.refuse(node, np.isinf(result), "is too large a number")
         return result
 
@@ -275,7 +279,7 @@ def parse(text: str) -> Expression:
     that has no finite value, such as 1/0 or 9**9**9.
     """
     text = tidy(text)
-    expression = Expression(text, read(text))
+    expression = Expression(text, parse_tree(text))
     if fault := expression.fault({}):
         raise ExpressionError(f'"{shorten(fault.text)}" {fault.why}', "give it a finite value or leave it out")
     return expression

@@ -8,26 +8,22 @@ from __future__ import annotations
 
 import keyword
 import re
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from ..text import did_you_mean, excerpt, nearest, shorten
+from .functions import FUNCTIONS, is_inconsistent, smooth_names
 
-FUNCTIONS = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
 ENDS = ("initial", "final")
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
-# Not consistent (paper, section 5.5): nonsmooth.py makes them so, where they do not stand for a constant.
-INCONSISTENT = ("abs", "min", "max")
-CALLABLE = FUNCTIONS + INCONSISTENT
 # `time` heads the keyframes of a guess, so no state may be called that.
-RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *INCONSISTENT, *keyword.kwlist})
+RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
 
 MAX_LENGTH = 4000  # characters
 MAX_NAME = 60
-MAX_DEPTH = 50  # parentheses inside parentheses
+MAX_PARENTHESES = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
-MAX_ARGUMENTS = 20
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
@@ -88,15 +84,15 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """kind: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
+    """category: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
 
-    kind: str
+    category: str
     text: str
     start: int
     stop: int
 
 
-def check(text: str) -> None:
+def check_syntax(text: str) -> None:
     """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression."""
     if not text:
         raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
@@ -117,30 +113,31 @@ def check(text: str) -> None:
 
 def _tokens(text: str) -> list[Token]:
     """All tokens, with an empty one at either end so that every token has neighbours."""
-    found = [Token(m.lastgroup, m[m.lastgroup], *m.span(m.lastgroup)) for m in _TOKEN.finditer(text)]
+    matches = ((str(m.lastgroup), m) for m in _TOKEN.finditer(text))
+    found = [Token(category, m[category], *m.span(category)) for category, m in matches]
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
-def _fail(text: str, first: Token, last: Token, what: str, remedy: str):
+def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:
     raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
 
 
 def _check_token(text: str, token: Token) -> None:
-    if token.kind == "other":
+    if token.category == "other":
         _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
     if token.text == "//":
         _fail(text, token, token, "// is not an operator", "write / for a division")
-    if token.kind == "name" and keyword.iskeyword(token.text):
+    if token.category == "name" and keyword.iskeyword(token.text):
         _fail(
             text,
             token,
             token,
             f"{token.text} is a word of Python, not of expressions, which have no branches",
-            "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS),
+            "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
         )
     if len(token.text) > MAX_NAME:
         _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
-    if token.kind == "number" and float(token.text) > MAX_NUMBER:
+    if token.category == "number" and float(token.text) > MAX_NUMBER:
         _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
 
 
@@ -155,12 +152,12 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
             opener = opened.pop()
             if opener.text + token.text not in ("()", "[]"):
                 _fail(text, opener, token, f"{opener.text} is closed by {token.text}", "use the matching bracket")
-        if len(opened) > MAX_DEPTH:
+        if len(opened) > MAX_PARENTHESES:
             raise ExpressionError(
-                f"parentheses are nested deeper than {MAX_DEPTH}", "name the inner parts under expressions:"
+                f"parentheses are nested deeper than {MAX_PARENTHESES}", "name the inner parts under expressions:"
             )
     if opened:
-        close = {"(": ")", "[": "]"}[opened[-1].text]
+        close = ")" if opened[-1].text == "(" else "]"
         _fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
 
 
@@ -169,11 +166,11 @@ def _separated(tokens: list[Token]) -> list[Token]:
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and before.text in INCONSISTENT)
+            openers.append(token.text == "(" and is_inconsistent(before.text))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
-        marked.append(token._replace(kind="separator") if separates else token)
+        marked.append(token._replace(category="separator") if separates else token)
     return marked
 
 
@@ -189,30 +186,30 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
     """The rules that need a token and the ones beside it: `before` has been checked, `token` is next."""
     if token.text == ".":
         _check_dot(text, before, token, after)
-    elif token.text == "," and token.kind != "separator":
+    elif token.text == "," and token.category != "separator":
         remedy = "write 0.5, not 0,5, and give a function one argument"
         _fail(text, before, after, "a comma has no meaning here", remedy)
     elif token.text == "[":
         _check_subscript(text, before, token, after)
     elif _ends_operand(before) and _starts_operand(token):
         _check_adjacent(text, before, token, after)
-    elif before.text in CALLABLE:
+    elif before.text in FUNCTIONS:
         _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...)")
     elif not _ends_operand(before) and not _starts_operand(token) and token.text not in ("+", "-"):
         _check_missing(text, before, token)
 
 
 def _ends_operand(token: Token) -> bool:
-    return token.kind in ("number", "name") or token.text in (")", "]")
+    return token.category in ("number", "name") or token.text in (")", "]")
 
 
 def _starts_operand(token: Token) -> bool:
-    return token.kind in ("number", "name") or token.text == "("
+    return token.category in ("number", "name") or token.text == "("
 
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
-    if before.kind == "name" and after.kind == "name":
-        remedy = f"write {after.text}" if after.text in FUNCTIONS else "write a plain name"
+    if before.category == "name" and after.category == "name":
+        remedy = f"write {after.text}" if after.text in smooth_names() else "write a plain name"
         _fail(text, before, after, "expressions know no modules and no attributes", remedy)
     _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
 
@@ -220,7 +217,7 @@ def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
 def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> None:
     close = text.find("]", bracket.start)
     inside = text[bracket.stop : close].strip()
-    if before.kind != "name":
+    if before.category != "name":
         _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
@@ -230,15 +227,15 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
 
 def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
     """Two operands side by side: a call, or a missing operator."""
-    if token.text == "(" and before.kind == "name":
-        if before.text not in CALLABLE:
+    if token.text == "(" and before.category == "name":
+        if before.text not in FUNCTIONS:
             _check_call(text, before, token)
         return
-    if before.text in CALLABLE:
-        argument = token.text if token.kind != "number" or after.kind != "name" else token.text + after.text
+    if before.text in FUNCTIONS:
+        argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
-    if token.kind == "name" and after.text == "(":
+    if token.category == "name" and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
@@ -252,17 +249,20 @@ def _check_call(text: str, name: Token, bracket: Token) -> None:
     if name.text in _ALIASES:
         remedy = f"write {_ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
-    if nearest(name.text, CALLABLE):
-        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, CALLABLE))
-    what = f"{name.text} is not a function"
-    _fail(text, name, last, what, f"write {name.text}*(...) for a product; the functions are {' '.join(FUNCTIONS)}")
+    if nearest(name.text, FUNCTIONS):
+        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, FUNCTIONS))
+    known = f"the functions are {' '.join(smooth_names())}"
+    _fail(text, name, last, f"{name.text} is not a function", f"write {name.text}*(...) for a product; {known}")
 
 
 def _argument(text: str, bracket: Token) -> str:
     """The text between an opening parenthesis and its partner, which _check_brackets has found."""
     depth = 0
     for i in range(bracket.start, len(text)):
-        depth += (text[i] == "(") - (text[i] == ")")
+        if text[i] == "(":
+            depth += 1
+        elif text[i] == ")":
+            depth -= 1
         if depth == 0:
             return text[bracket.stop : i]
     return text[bracket.stop :]
@@ -270,9 +270,9 @@ def _argument(text: str, bracket: Token) -> str:
 
 def _check_missing(text: str, before: Token, token: Token) -> None:
     """An operator without its operand."""
-    if before.kind == "end":
+    if before.category == "end":
         _fail(text, token, token, f"the expression starts with {token.text}", "write what stands before it")
-    if token.kind == "end":
+    if token.category == "end":
         _fail(text, before, before, f"the expression ends with {before.text}", "write what stands after it")
     if before.text + token.text == "()":
         _fail(text, before, token, "there is nothing between the parentheses", "write a value between them")

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..text import excerpt
-from .slips import CALLABLE, ENDS, FUNCTIONS, MAX_ARGUMENTS, MAX_DEPTH, RATE, ExpressionError, check
+from .functions import FUNCTIONS, smooth_names
+from .slips import ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A piece of the expression; start and stop are its place in the text."""
+    """A piece of the expression; start and stop are its span in the text."""
 
     start: int
     stop: int
@@ -38,9 +39,9 @@ class Name(Node):
 
 @dataclass(frozen=True, slots=True)
 class Operation(Node):
-    """A function of one operand (a name of FUNCTIONS, or "-"), the power of two ("**"), or abs, min, max of any.
+    """A function of the table `functions.FUNCTIONS`, minus its operand ("-"), or the power of two ("**").
 
-    nonsmooth.py replaces abs, min and max by operations of its own, "abs tanh" and the like; see stand_ins.py.
+    `nonsmooth.rewrite` replaces abs, min and max by operations of its own, "abs tanh" and the like; see smooth.py.
     """
 
     symbol: str
@@ -48,8 +49,8 @@ class Operation(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Step(Node):
-    """One operator of a chain and its right operand; the place is that of the chain up to here."""
+class Link(Node):
+    """One operator of a chain and its right operand; the span is that of the chain up to here."""
 
     symbol: str
     operand: Node
@@ -60,20 +61,20 @@ class Chain(Node):
     """first + second - third ..., from the left: kept flat so that a sum of 1000 terms is not 1000 levels deep."""
 
     first: Node
-    steps: tuple[Step, ...]
+    links: tuple[Link, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class External(Node):
     """A function that is no expression: `function(values of the operands by name, functions)`."""
 
-    function: Callable[[dict, Any], Any]
+    function: Callable[[Mapping[str, Any], Any], Any]
     operands: tuple[Name, ...]
 
 
-def read(text: str) -> Node:
+def parse_tree(text: str) -> Node:
     """The tree of a tidy text. Raises ExpressionError: what is wrong, where in the text, and how to mend it."""
-    check(text)
+    check_syntax(text)
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -99,19 +100,23 @@ def below(node: Node) -> tuple[Node, ...]:
     match node:
         case Operation(operands=operands) | External(operands=operands):
             return operands
-        case Chain(first=first, steps=steps):
-            return (first, *(step.operand for step in steps))
+        case Chain(first=first, links=links):
+            return (first, *(link.operand for link in links))
     return ()
 
 
 def rebuilt(node: Node, new: Sequence[Node]) -> Node:
     """The same node made of others."""
     match node:
-        case Operation() | External():
+        case Operation():
             return replace(node, operands=tuple(new))
-        case Chain(steps=steps):
-            kept = (replace(step, operand=operand) for step, operand in zip(steps, new[1:], strict=True))
-            return replace(node, first=new[0], steps=tuple(kept))
+        case External():
+            names = tuple(part for part in new if isinstance(part, Name))
+            assert len(names) == len(new), "a function of a model takes names only"
+            return replace(node, operands=names)
+        case Chain(links=links):
+            kept = (replace(link, operand=operand) for link, operand in zip(links, new[1:], strict=True))
+            return replace(node, first=new[0], links=tuple(kept))
     return node
 
 
@@ -125,64 +130,76 @@ def count(root: Node) -> int:
     return sum(1 for _ in nodes(root))
 
 
-_SYMBOLS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+_SYMBOLS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 
 
-def _node(tree: ast.AST, text: str, depth: int) -> Node:
+class _Span(NamedTuple):
+    """Where a piece of the text starts and where it stops."""
+
+    start: int
+    stop: int
+
+    @classmethod
+    def of(cls, tree: ast.expr) -> _Span:
+        assert tree.end_col_offset is not None  # the parser always sets it
+        return cls(tree.col_offset, tree.end_col_offset)
+
+
+def _node(tree: ast.expr, text: str, depth: int) -> Node:
     """A syntax node of Python as one of ours; whatever is not named in these functions is refused."""
-    place = tree.col_offset, tree.end_col_offset
-    if depth > MAX_DEPTH:
-        raise ExpressionError(f"{excerpt(text, *place)} is nested too deeply", "name its parts under expressions:")
-    node = _leaf(tree, place) or _operation(tree, place, text, depth + 1)
+    span = _Span.of(tree)
+    if depth > MAX_PARENTHESES:
+        raise ExpressionError(f"{excerpt(text, *span)} is nested too deeply", "name its parts under expressions:")
+    node = _leaf(tree, span) or _operation(tree, span, text, depth + 1)
     if node is None:
-        what = f"{excerpt(text, *place)} has no place in an expression"
-        raise ExpressionError(what, "use names, numbers, + - * / ** and the functions " + " ".join(FUNCTIONS))
+        what = f"{excerpt(text, *span)} has no place in an expression"
+        raise ExpressionError(what, "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()))
     return node
 
 
-def _leaf(tree: ast.AST, place: tuple[int, int]) -> Node | None:
+def _leaf(tree: ast.expr, span: _Span) -> Node | None:
     match tree:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
-            return Number(*place, float(value))
+            return Number(*span, float(value))
         case ast.Name(id="pi"):
-            return Number(*place, math.pi)
+            return Number(*span, math.pi)
         case ast.Name(id=name):
-            return Name(*place, name, None)
+            return Name(*span, name, None)
         case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=end)) if end in ENDS:
-            return Name(*place, name, end)
+            return Name(*span, name, end)
         case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
-            return Name(*place, rate_of(name), None)
+            return Name(*span, rate_of(name), None)
     return None
 
 
-def _operation(tree: ast.AST, place: tuple[int, int], text: str, depth: int) -> Node | None:
+def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | None:
     match tree:
-        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in CALLABLE:
-            _check_arguments(name, len(arguments), text, place)
-            return Operation(*place, name, tuple(_node(argument, text, depth) for argument in arguments))
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
+            _check_arguments(name, len(arguments), text, span)
+            return Operation(*span, name, tuple(_node(argument, text, depth) for argument in arguments))
         case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return Operation(*place, "-", (_node(operand, text, depth),))
+            return Operation(*span, "-", (_node(operand, text, depth),))
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
             return _node(operand, text, depth)
         case ast.BinOp(op=ast.Pow(), left=left, right=right):
-            return Operation(*place, "**", (_node(left, text, depth), _node(right, text, depth)))
-        case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
+            return Operation(*span, "**", (_node(left, text, depth), _node(right, text, depth)))
+        case ast.BinOp(op=operator) if type(operator) in _SYMBOLS:
             return _chain(tree, text, depth)
     return None
 
 
-def _check_arguments(name: str, given: int, text: str, place: tuple[int, int]) -> None:
-    least, most = (2, MAX_ARGUMENTS) if name in ("min", "max") else (1, 1)
+def _check_arguments(name: str, given: int, text: str, span: _Span) -> None:
+    least, most = FUNCTIONS[name].arguments
     if not least <= given <= most:
-        wanted = "one argument" if most == 1 else f"2 to {MAX_ARGUMENTS} arguments"
-        what = f"{excerpt(text, *place)}: {name} takes {wanted}, not {given}"
+        wanted = "one argument" if most == 1 else f"{least} to {most} arguments"
+        what = f"{excerpt(text, *span)}: {name} takes {wanted}, not {given}"
         raise ExpressionError(what, f"write {name} with {wanted}")
 
 
-def _chain(tree: ast.BinOp, text: str, depth: int) -> Chain:
-    place, steps = (tree.col_offset, tree.end_col_offset), []
+def _chain(tree: ast.expr, text: str, depth: int) -> Chain:
+    span, links = _Span.of(tree), []
     while isinstance(tree, ast.BinOp) and type(tree.op) in _SYMBOLS:
         operand = _node(tree.right, text, depth)
-        steps.append(Step(tree.col_offset, tree.end_col_offset, _SYMBOLS[type(tree.op)], operand))
+        links.append(Link(*_Span.of(tree), _SYMBOLS[type(tree.op)], operand))
         tree = tree.left
-    return Chain(*place, _node(tree, text, depth), tuple(reversed(steps)))
+    return Chain(*span, _node(tree, text, depth), tuple(reversed(links)))

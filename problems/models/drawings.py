@@ -12,7 +12,7 @@ from math import cos, sin
 from typing import Any
 
 from ..errors import Mistake, SpecError
-from . import find
+from . import find_model
 
 Point = tuple[float, float]
 
@@ -74,8 +74,8 @@ def cart_pole(values: Mapping[str, float], parameters: Mapping[str, float]) -> l
 
 def pendulum(values: Mapping[str, float], parameters: Mapping[str, float]) -> list[Shape]:
     """A bob at distance l or r from a fixed pivot; the angle is zero when it hangs down, counter-clockwise positive."""
-    angle = values[_first(_ANGLES, values)]
-    length = parameters[_first(_LENGTHS, parameters)]
+    angle = next(values[name] for name in _ANGLES if name in values)
+    length = next(parameters[name] for name in _LENGTHS if name in parameters)
     bob = (length * sin(angle), -length * cos(angle))
     return [
         Polyline("pole", [(0.0, 0.0), bob]),
@@ -105,7 +105,9 @@ def shot_put(values: Mapping[str, float], parameters: Mapping[str, float]) -> li
 
 def five_link_biped(values: Mapping[str, float], parameters: Mapping[str, float]) -> list[Shape]:
     """Two legs and a torso; the stance foot is at the origin, and the swing foot leaves its path."""
-    parts = find("five_link_biped").pose(values, parameters)
+    pose = find_model("five_link_biped").pose
+    assert pose is not None
+    parts = pose(values, parameters)
     lines = [Polyline(part, [(float(x), float(y)) for x, y in joints]) for part, joints in parts.items()]
     foot = next(line for line in lines if line.role == "swing leg").points[-1]
     return [Ground(0.0), *lines, Circle("swing foot", foot, 0.012, trace="path")]

@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problem import Range
+from ..problem import Numeric, Range
 from .model import Equations, Model, Quantity
 
 LINKS = (1, 2, 3, 4, 5)
@@ -69,6 +69,9 @@ STRIKES = {
     "swing_knee": ((1, (1,)), (4, (5,))),  # (F.15)
 }
 
+Carried = tuple[int, tuple[int, ...]]
+"""A pivot and the links whose momentum about it is conserved."""
+
 Reach = tuple[float, ...]
 """(c_1, ..., c_5) in m: the point sum_i c_i e(q_i)."""
 
@@ -76,16 +79,16 @@ Reach = tuple[float, ...]
 class Vector(NamedTuple):
     """A vector in the plane; x and y are numbers, arrays or expressions."""
 
-    x: Any
-    y: Any
+    x: Numeric
+    y: Numeric
 
 
-def cross(a: Vector, b: Vector):
+def cross(a: Vector, b: Vector) -> Numeric:
     """The component of a x b that points out of the plane."""
     return a.x * b.y - a.y * b.x
 
 
-def combine(reach: Reach, vectors: Sequence[Vector]) -> Vector:
+def combine(reach: Sequence[float], vectors: Sequence[Vector]) -> Vector:
     """sum_i reach_i vectors_i: a point of the walker, its velocity or its acceleration."""
     terms = [(c, vector) for c, vector in zip(reach, vectors, strict=True) if c]
     return Vector(sum(c * v.x for c, v in terms), sum(c * v.y for c, v in terms))
@@ -99,11 +102,11 @@ class Motion:
     there are no accelerations.
     """
 
-    values: Mapping[str, Any]
+    values: Mapping[str, Numeric]
     functions: Any
     end: str = ""
 
-    def row(self, name: str) -> list:
+    def row(self, name: str) -> list[Numeric]:
         """A quantity of each link, such as "dq"."""
         return [self.values[f"{name}{i}{self.end}"] for i in LINKS]
 
@@ -158,11 +161,24 @@ class Walker:
         return cls(m, inertia, parameters["g"], P, G)
 
     def lever(self, e: Sequence[Vector], i: int, pivot: int) -> Vector:
-        """G_i - P_pivot, m."""
+        """G_i - P_pivot, m.
+
+        e: unit vectors of the links 1 to 5.
+        i: number of the link, from 1.
+        pivot: number of the point, from 0.
+        """
         return combine([g - p for g, p in zip(self.G[i - 1], self.P[pivot], strict=True)], e)
 
-    def balance(self, torque: int, pivot: int, links: Sequence[int], values, functions):
-        """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8)."""
+    def balance(
+        self, torque: int, pivot: int, links: Sequence[int], values: Mapping[str, Numeric], functions: Any
+    ) -> Numeric:
+        """Torque + moment of the weights - rate of change of the angular momentum, N m: zero by (F.4)-(F.8).
+
+        torque: number of the motor, from 1.
+        pivot: number of the point about which moments are taken, from 0.
+        links: numbers of the links that the joint carries.
+        values, functions: as functions of a problem are called with (`problems.problem.Function`).
+        """
         motion = Motion(values, functions)
         e, dde, ddq = motion.e, motion.dde, motion.row("ddq")
         moments = []
@@ -172,29 +188,44 @@ class Walker:
             moments.append(self.m[i - 1] * cross(self.lever(e, i, pivot), effect) - self.I[i - 1] * ddq[i - 1])
         return values[f"u{torque}"] + sum(moments)
 
-    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]):
-        """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15)."""
+    def momentum(self, motion: Motion, pivot: int, links: Sequence[int]) -> Numeric:
+        """Angular momentum of the links about the pivot, kg m^2/s: either side of (F.11)-(F.15).
+
+        motion: angles and rates of all links.
+        pivot: number of the point, from 0.
+        links: numbers of the links, from 1.
+        """
         e, de, dq = motion.e, motion.de, motion.row("dq")
         return sum(
             self.m[i - 1] * cross(self.lever(e, i, pivot), combine(self.G[i - 1], de)) + self.I[i - 1] * dq[i - 1]
             for i in links
         )
 
-    def strike(self, before: tuple, after: tuple, values, functions):
-        """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15)."""
+    def strike(self, before: Carried, after: Carried, values: Mapping[str, Numeric], functions: Any) -> Numeric:
+        """Angular momentum before the collision - after it, kg m^2/s: zero by (F.11)-(F.15).
+
+        before: pivot and links at the final time of the step.
+        after: the same ones by their numbers at its initial time.
+        values, functions: as functions of a problem are called with, names at both ends of time.
+        """
         old, new = (Motion(values, functions, end) for end in (FINAL, INITIAL))
         return self.momentum(old, *before) - self.momentum(new, *after)
 
-    def foot(self, axis: str, end: str, values, functions):
-        """One coordinate of P5, m."""
+    def foot(self, axis: str, end: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
+        """One coordinate of P5, m.
+
+        axis: "x" or "y".
+        end: "[initial]", "[final]", or "" at any time.
+        values, functions: as functions of a problem are called with.
+        """
         return getattr(combine(self.P[5], Motion(values, functions, end).e), axis)
 
-    def foot_velocity(self, axis: str, end: str, values, functions):
-        """One coordinate of the velocity of P5, m/s."""
+    def foot_velocity(self, axis: str, end: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
+        """One coordinate of the velocity of P5, m/s; arguments as of `foot`."""
         return getattr(combine(self.P[5], Motion(values, functions, end).de), axis)
 
 
-def build(parameters: Mapping[str, float]) -> Equations:
+def equations(parameters: Mapping[str, float]) -> Equations:
     """The equations of the walker with these parameters (SI units, by name)."""
     walker, step = Walker.of(parameters), parameters["step_length"]
     swap = {f"swap_q{i}": (partial(_difference, f"q{i}{INITIAL}", f"q{6 - i}{FINAL}"), ZERO) for i in LINKS}  # (F.9)
@@ -214,11 +245,11 @@ def build(parameters: Mapping[str, float]) -> Equations:
     )
 
 
-def _value(name: str, values, functions):
+def _value(name: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
     return values[name]
 
 
-def _difference(name: str, other: str, values, functions):
+def _difference(name: str, other: str, values: Mapping[str, Numeric], functions: Any) -> Numeric:
     return values[name] - values[other]
 
 
@@ -255,6 +286,6 @@ MODEL = Model(
     },
     controls=_of_links("u", "N*m", [f"torque of the {name}" for name in _JOINTS]),
     algebraic=_of_links("ddq", "rad/s^2", [f"angular acceleration of the {name}" for name in _NAMES]),
-    build=build,
+    build=equations,
     pose=pose,
 )

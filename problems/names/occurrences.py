@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
-from ..schema.spec import Constraint, Spec
-from ..schema.values import Entry
+from ..schema.fields import Entry
+from ..schema.sections import ConstraintEntry
+from ..schema.spec import Spec
 from ..yaml.document import Path
 
-MAX_NAME = 40
+MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
 CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
@@ -49,7 +50,7 @@ def uses(spec: Spec) -> Iterator[Use]:
                 yield Use((*path, key), bound, CONSTANT)
 
 
-def constraints(spec: Spec) -> Iterator[tuple[Path, Constraint]]:
+def constraints(spec: Spec) -> Iterator[tuple[Path, ConstraintEntry]]:
     """Every constraint with its path, such as ("constraints", "path", 0)."""
     for kind in ("path", "boundary", "integral"):
         for i, constraint in enumerate(getattr(spec.constraints, kind)):
@@ -65,7 +66,7 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
-def _constants(value, path: Path) -> Iterator[Use]:
+def _constants(value: object, path: Path) -> Iterator[Use]:
     """The expressions below a path, but for the dynamics."""
     if isinstance(value, Expression):
         yield Use(path, value, CONSTANT)
@@ -91,13 +92,13 @@ def residual_names(spec: Spec) -> list[str]:
     return _names(spec.residuals, "residual")
 
 
-def _names(entries: Sequence[Constraint | Residual], default: str) -> list[str]:
+def _names(entries: Sequence[ConstraintEntry | Residual], default: str) -> list[str]:
     names: list[str] = []
     taken = {entry.name for entry in entries}
     for entry in entries:
         name = entry.name
         if not name:
-            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_NAME].strip("_") or default
+            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_STEM].strip("_") or default
             candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
             name = next(c for c in candidates if c not in taken and c not in names)
         names.append(name)

@@ -8,14 +8,15 @@ import numpy as np
 
 from ..expressions.expression import Expression, Fault, untangle
 from ..expressions.tree import External, Name, Node, count, leaves
-from ..models import find
+from ..models import find_model
 from ..models.model import Equations
 from ..problem import Function, Range
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import nearest, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from . import variables as dynamics
+from . import variables
 from .occurrences import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
@@ -24,10 +25,10 @@ MAX_KNOWN = 500
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
-# Stands for a value that is mistaken; see repair.py.
+# Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
-# Kinds of names that have a value at every time.
+# Roles of names that have a value at every time.
 STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
 VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 
@@ -35,7 +36,7 @@ VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 class Symbols:
     """Names and values of a spec.
 
-    states, controls, algebraic: the variables, see dynamics.py. kinds: name -> "parameter", "expression", "static
+    states, controls, algebraic: the variables, see variables.py. roles: name -> "parameter", "expression", "static
     parameter", or one of VARYING. numbers: the values of the parameters. equations: those of the model, None without
     one. definitions: the expressions that others may refer to, each after those that it refers to; `varying` are those
     that vary in time, `fixed` holds the numbers and the values of the expressions of parameters alone. findings:
@@ -43,8 +44,8 @@ class Symbols:
     """
 
     def __init__(self, spec: Spec):
-        self.states, self.controls = dynamics.states(spec), dynamics.controls(spec)
-        self.algebraic = dynamics.algebraic(spec)
+        self.states, self.controls = variables.states(spec), variables.controls(spec)
+        self.algebraic = variables.algebraic(spec)
         groups = {
             "time": ("t",),
             "parameter": spec.parameters,
@@ -56,7 +57,7 @@ class Symbols:
             "static parameter": spec.optimize,
             "unknown": UNKNOWN.names,
         }
-        self.kinds = {name: kind for kind, names in groups.items() for name in names}
+        self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
         self.findings: list[Finding] = []
         self.numbers: dict[str, float] = {}
@@ -77,7 +78,7 @@ class Symbols:
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
         return path not in self._wrong and all(
-            self.kinds[n.name] in (*VARYING, "static parameter") or n.name in self.numbers or n.name in self.definitions
+            self.roles[n.name] in (*VARYING, "static parameter") or n.name in self.numbers or n.name in self.definitions
             for n in leaves(expression.root)
         )
 
@@ -89,7 +90,9 @@ class Symbols:
     ) -> Expression:
         """The expression with its parameters and definitions bound: a `problem.Function`.
 
-        definitions: those that take the place of the file's. added: static parameters that the file does not name.
+        expression: of the file, or made from one of its.
+        definitions: those that take the place of the file's; None for the file's.
+        added: static parameters that the file does not name.
         """
         return expression.bind(
             self.numbers, self.definitions if definitions is None else definitions, self.static | added
@@ -99,7 +102,7 @@ class Symbols:
         """The value of an expression of parameters; `default` if there is none."""
         return default if expression is None else self.function(expression).constant()
 
-    def value(self, root: Node) -> float | None:
+    def constant_value(self, root: Node) -> float | None:
         """The value of a tree of parameters alone, None for another."""
         if any(name.name not in self.fixed for name in leaves(root)):
             return None
@@ -107,18 +110,18 @@ class Symbols:
 
     def varies(self, name: str) -> bool:
         """Whether a name has a value at every time."""
-        return name in self.varying or self.kinds.get(name) in VARYING
+        return name in self.varying or self.roles.get(name) in VARYING
 
-    def constant(self, root: Node) -> bool:
+    def is_constant(self, root: Node) -> bool:
         """Whether a tree is made of parameters alone; what is mistaken in it counts as constant."""
         return all(
-            self.kinds.get(name.name, "unknown") in ("parameter", "unknown")
+            self.roles.get(name.name, "unknown") in ("parameter", "unknown")
             or name.name in self.fixed
-            or (self.kinds[name.name] == "expression" and name.name not in self.definitions)
+            or (self.roles[name.name] == "expression" and name.name not in self.definitions)
             for name in leaves(root)
         )
 
-    def range(self, entry) -> Range:
+    def range(self, entry: Bounded | None) -> Range:
         """The range of an entry with lower and upper, and perhaps value or equals."""
         if entry is None:
             return Range()
@@ -140,7 +143,7 @@ class Symbols:
     def _check_names(self, use: Use) -> None:
         seen = set()
         for name in leaves(use.expression.root):
-            if name.name not in self.kinds and self._outputs_unknown:
+            if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
             trouble = self._trouble(name, use.context)
@@ -151,12 +154,12 @@ class Symbols:
 
     def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
-        kind, found = self.kinds.get(name.name), None
-        if kind is None:
+        role, found = self.roles.get(name.name), None
+        if role is None:
             found = self._unknown(name.name, context)
-        elif context == CONSTANT and kind not in ("parameter", "unknown"):
+        elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
-                f"{name.name} is {_with_article(kind)}, but this value must be known before the solution is",
+                f"{name.name} is {_with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
         elif context == TRAJECTORY and name.end:
@@ -164,14 +167,14 @@ class Symbols:
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
                 f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
             )
-        elif context == BOUNDARY and name.end and kind in ("parameter", "static parameter"):
-            found = f"{name.name} is a {kind} and has only one value", f"write {name.name}"
-        elif context == BOUNDARY and kind == RATE:
+        elif context == BOUNDARY and name.end and role in ("parameter", "static parameter"):
+            found = f"{name.name} is a {role} and has only one value", f"write {name.name}"
+        elif context == BOUNDARY and role == RATE:
             found = (
                 f"{name.name} has a value at every time, but this expression is about the two ends",
                 "name it under expressions:, and write [final] or [initial] after that name",
             )
-        elif context == BOUNDARY and not name.end and kind in VARYING:
+        elif context == BOUNDARY and not name.end and role in VARYING:
             found = (
                 f"{name.name} has a value at every time, but this expression is about the two ends",
                 f"write {name.name}[final] or {name.name}[initial]",
@@ -187,7 +190,7 @@ class Symbols:
         if self._unknown_names >= MAX_SUGGESTIONS:
             return what, "declare it"
         self._unknown_names += 1
-        known = [n for n, kind in self.kinds.items() if kind == "parameter" or (context != CONSTANT and n != "?")]
+        known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
         known = known[:MAX_KNOWN]
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
@@ -195,20 +198,20 @@ class Symbols:
 
     def _no_rate(self, name: str) -> tuple[str, str]:
         """What is wrong with name[rate], which is no implicit rate."""
-        if self.kinds.get(name) == STATE:
+        if self.roles.get(name) == STATE:
             remedy = f"write its rate instead, or leave out rate: of {name} to make it implicit"
             return f"the rate of {name} is given, so {name}[rate] is not an unknown", remedy
         return f'unknown name "{name}[rate]"', "only a state without rate: and accel: is known by its rate"
 
     def _build_model(self, spec: Spec) -> None:
         """The equations of the model, if all its parameters are known, and its outputs as definitions."""
-        model = find(spec.model) if spec.model else None
+        model = find_model(spec.model) if spec.model else None
         if model is None or not model.parameters.keys() <= self.numbers.keys():
             return
         self.equations = model.build({name: self.numbers[name] for name in model.parameters})
         names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
         for name, function in self.equations.outputs.items():
-            self.kinds[name] = OUTPUT
+            self.roles[name] = OUTPUT
             self.definitions[name] = _external(name, function, names)
             self.varying.add(name)
 
@@ -250,20 +253,20 @@ class Symbols:
                 self.findings.append(no_value(("expressions", name), fault))
                 continue
             self.definitions[name] = expression
-            if any(n in self.varying or self.kinds[n] in VARYING for n in inner):
+            if any(n in self.varying or self.roles[n] in VARYING for n in inner):
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = self._constant(expression)
 
 
-def _with_article(kind: str) -> str:
-    return f"{'an' if kind[0] in 'aeo' else 'a'} {kind}"
+def _with_article(role: str) -> str:
+    return f"{'an' if role[0] in 'aeo' else 'a'} {role}"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:
     """A function of a model as an expression."""
-    place = 0, len(name)
-    return Expression(name, External(*place, function, tuple(Name(*place, n, None) for n in names)))
+    span = 0, len(name)
+    return Expression(name, External(*span, function, tuple(Name(*span, n, None) for n in names)))
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

@@ -6,14 +6,16 @@ state v is an algebraic variable, v[rate], which the residuals determine; that o
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, rate_of
-from ..models import find
+from ..models import find_model
 from ..models.model import Quantity
-from ..schema.declarations import Algebraic, Control, State, Velocity
+from ..schema.declarations import Algebraic, Control, StateEntry, Velocity
+from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..yaml.document import Path
 
@@ -25,7 +27,7 @@ class Declared:
     name: str
     path: Path
     unit: str
-    entry: Any
+    entry: Bounded
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ class DeclaredState(Declared):
     velocity_of: the state whose rate this one is, else "".
     """
 
+    entry: StateEntry | Velocity
     rate: Expression | None = None
     rate_path: Path = ()
     velocity_of: str = ""
@@ -55,7 +58,7 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
     if spec.model:
         return tuple(
             DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry)
-            for name, entry, quantity in _of_model(spec.states, State(), find(spec.model).states)
+            for name, entry, quantity in _of_model(spec.states, StateEntry(), find_model(spec.model).states)
         )
     positions, velocities = [], []
     for name, state in spec.states.items():
@@ -76,33 +79,47 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
 
 def controls(spec: Spec) -> tuple[Declared, ...]:
     """The controls of the file, or of its model."""
-    return _inputs("controls", spec, Control())
+    quantities = find_model(spec.model).controls if spec.model else None
+    return _inputs(("controls",), spec.controls, Control(), quantities)
 
 
 def algebraic(spec: Spec) -> tuple[Declared, ...]:
     """The algebraic variables, and after them the rates of the implicit states."""
+    quantities = find_model(spec.model).algebraic if spec.model else None
     rates = (
         Declared(rate_of(state.name), state.path, _per_time(state.unit, spec), Algebraic())
         for state in states(spec)
         if state.implicit
     )
-    return (*_inputs("algebraic", spec, Algebraic()), *rates)
+    return (*_inputs(("algebraic",), spec.algebraic, Algebraic(), quantities), *rates)
 
 
-def _inputs(group: str, spec: Spec, empty: Any) -> tuple[Declared, ...]:
-    given = getattr(spec, group)
-    if not spec.model:
-        return tuple(Declared(name, (group, name), entry.unit, entry) for name, entry in given.items())
+AnInput = TypeVar("AnInput", Control, Algebraic)
+AnEntry = TypeVar("AnEntry", Control, Algebraic, StateEntry)
+
+
+def _inputs(
+    section: Path, given: Mapping[str, AnInput], empty: AnInput, quantities: Mapping[str, Quantity] | None
+) -> tuple[Declared, ...]:
+    """The controls or the algebraic variables.
+
+    section: the path of their section. given: its entries. empty: the entry of what the file leaves to the model.
+    quantities: those of the model, None without one.
+    """
+    if quantities is None:
+        return tuple(Declared(name, (*section, name), entry.unit, entry) for name, entry in given.items())
     return tuple(
-        Declared(name, (group, name), entry.unit or quantity.unit, entry)
-        for name, entry, quantity in _of_model(given, empty, getattr(find(spec.model), group))
+        Declared(name, (*section, name), entry.unit or quantity.unit, entry)
+        for name, entry, quantity in _of_model(given, empty, quantities)
     )
 
 
-def _of_model(given: dict[str, Any], empty: Any, quantities: dict[str, Quantity]):
+def _of_model(
+    given: Mapping[str, AnEntry], empty: AnEntry, quantities: Mapping[str, Quantity]
+) -> Iterator[tuple[str, AnEntry, Quantity]]:
     """(name, entry of the file, quantity of the model) for each quantity."""
     return ((name, given.get(name, empty), quantity) for name, quantity in quantities.items())
 
 
 def _per_time(unit: str, spec: Spec) -> str:
-    return unit and f"{unit}/{spec.time.unit}"
+    return f"{unit}/{spec.time.unit}" if unit else ""

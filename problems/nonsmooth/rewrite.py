@@ -1,31 +1,34 @@
 """abs, min and max made consistent, for any expression of a problem (paper, sections 5.5 and 8.5-8.6).
 
 Each occurrence that varies is replaced in the tree of its expression, before parameters are bound to it. By smoothing,
-it becomes an operation of stand_ins.py. By slack variables, |y| becomes s1 + s2 with s1, s2 >= 0 and y - s1 + s2 = 0:
-two controls and a path constraint, or two static parameters and a boundary constraint where y is taken at the ends of
-time or does not vary. Then s1 + s2 >= |y| only, which is as good where the problem gains by making it small: a small
-value must nowhere raise a minimised objective, nor be needed to keep a constraint. Whether it is so, `Monotone` tells.
+it becomes an operation of `expressions.smooth`. By slack variables, |y| becomes s1 + s2 with s1, s2 >= 0 and
+y - s1 + s2 = 0: two controls and a path constraint, or two static parameters and a boundary constraint where y is taken
+at the ends of time or does not vary. Then s1 + s2 >= |y| only, which is as good where the problem gains by making it
+small: a small value must nowhere raise a minimised objective, nor be needed to keep a constraint. Whether it is so,
+`Monotone` tells.
 Elsewhere s1 s2 <= 0 is added, which makes the sum exact and the problem harder.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import count as numbers_from
+from typing import NamedTuple
 
 from ..expressions.expression import Expression
-from ..expressions.slips import INCONSISTENT
+from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Name, Node, Number, Operation, Step, below, nodes, rebuilt
+from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
 from ..names.symbols import Symbols
-from ..problem import Constraint, Range, Variable
+from ..problem import Range, Variable
+from ..schema.sections import Nonsmooth
 from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .signs import EITHER, NEGATIVE, POSITIVE, Monotone, Signs, negative, product
+from .signs import Monotone, negative, product_of_signs
 
 NONNEGATIVE = Range(lower=0.0)
 
@@ -37,6 +40,14 @@ _CHOICE = (
     "objective; nonsmooth: {tanh: 0.01}, smooth and a little smaller; or nonsmooth: {sqrt: 0.01}, smooth and a little "
     "larger, where 0.01 is in the unit of the argument, and less is more exact and harder to solve"
 )
+
+
+class Relation(NamedTuple):
+    """A constraint on slack variables, before parameters are bound to its expression."""
+
+    name: str
+    expression: Expression
+    bounds: Range
 
 
 @dataclass
@@ -51,12 +62,12 @@ class Consistent:
     definitions: dict[str, Expression] = field(default_factory=dict)
     controls: list[Variable] = field(default_factory=list)
     parameters: list[Variable] = field(default_factory=list)
-    path: list[Constraint] = field(default_factory=list)
-    boundary: list[Constraint] = field(default_factory=list)
+    path: list[Relation] = field(default_factory=list)
+    boundary: list[Relation] = field(default_factory=list)
     warnings: list[Finding] = field(default_factory=list)
 
 
-def refused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+def untreated(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The occurrences of abs, min and max in a file that does not say how they become consistent."""
     for path, expression, context in uses(spec):
         found = next(occurrences(expression.root, symbols), None)
@@ -68,26 +79,29 @@ def refused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 def occurrences(root: Node, symbols: Symbols) -> Iterator[Operation]:
     """abs, min and max of anything that is not a constant."""
     for node in nodes(root):
-        if isinstance(node, Operation) and node.symbol in INCONSISTENT and not symbols.constant(node):
+        if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
             yield node
 
 
 def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
     """The expressions that abs, min and max are taken out of, for an entry of the mesh schedule.
 
-    The spec and its symbols must be free of mistakes.
+    spec, symbols: free of mistakes.
+    mesh: index of the entry, which chooses one of several widths; -1 for the last.
     """
     if spec.nonsmooth is None:
         return Consistent(definitions=symbols.definitions)
-    return (_Slack(spec, symbols) if spec.nonsmooth.kind == SLACK else _Smooth(spec, symbols, mesh)).run()
+    if spec.nonsmooth.treatment == SLACK:
+        return _Slack(spec, symbols, spec.nonsmooth).run()
+    return _Smooth(spec, symbols, spec.nonsmooth, mesh).run()
 
 
 class _Smooth:
-    """Replaces every occurrence by its stand-in; what depends on an expression's place and sign is left to _Slack."""
+    """Replaces every occurrence by its stand-in; place and sign of an expression matter to _Slack only."""
 
-    def __init__(self, spec: Spec, symbols: Symbols, mesh: int = -1):
-        self.spec, self.symbols, self.found = spec, symbols, Consistent()
-        if widths := spec.nonsmooth.widths:
+    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth, mesh: int = -1):
+        self.spec, self.symbols, self.treatment, self.found = spec, symbols, how.treatment, Consistent()
+        if widths := how.widths:
             self.width = symbols.number(widths[mesh if len(widths) > 1 else 0], 0.0)
 
     def run(self) -> Consistent:
@@ -106,14 +120,17 @@ class _Smooth:
 
     def visit(self, node: Node, wanted: Signs) -> Node:
         """The tree without abs, min and max. wanted: the signs of the slope of what is minimised by this node."""
+        # From below, so that the y of an outer |y| stands on the slack variables of an inner one. By the chain rule the
+        # slope of what is minimised by a part is that by the whole times that of the whole by the part.
         parts = zip(below(node), self.slopes(node), strict=True)
-        new = rebuilt(node, [self.visit(part, product(wanted, slope)) for part, slope in parts])
-        nonsmooth = isinstance(node, Operation) and node.symbol in INCONSISTENT and not self.symbols.constant(node)
-        return self.replaced(self._constants_first(new), wanted) if nonsmooth else new
+        new = rebuilt(node, [self.visit(part, product_of_signs(wanted, slope)) for part, slope in parts])
+        if isinstance(new, Operation) and is_inconsistent(new.symbol) and not self.symbols.is_constant(node):
+            return self.replaced(self._constants_first(new), wanted)
+        return new
 
     def _constants_first(self, node: Operation) -> Operation:
         """min and max of the constants among the operands stay exact: one operand for all of them."""
-        constants = [n for n in node.operands if self.symbols.constant(n)]
+        constants = [n for n in node.operands if self.symbols.is_constant(n)]
         if len(constants) < 2:
             return node
         rest = (n for n in node.operands if n not in constants)
@@ -124,19 +141,19 @@ class _Smooth:
 
     def replaced(self, node: Operation, wanted: Signs) -> Node:
         width = Number(node.start, node.stop, self.width)
-        return replace(node, symbol=stand_in(node.symbol, self.spec.nonsmooth.kind), operands=(*node.operands, width))
+        return replace(node, symbol=stand_in(node.symbol, self.treatment), operands=(*node.operands, width))
 
 
 class _Slack(_Smooth):
     """Replaces every |y| by slack variables; `self.use` is the expression at hand, a definition being one as well."""
 
-    def __init__(self, spec: Spec, symbols: Symbols):
-        super().__init__(spec, symbols)
+    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth):
+        super().__init__(spec, symbols, how)
         trees = {name: expression.root for name, expression in symbols.definitions.items()}
-        self.monotone = Monotone(_ranges(spec, symbols), symbols.value, trees)
+        self.monotone = Monotone(_ranges(spec, symbols), symbols.constant_value, trees)
         self.nonsmooth = self._nonsmooth(trees)
         self.wanted = self._wanted()
-        self.taken = {*symbols.kinds, *constraint_names(spec)}
+        self.taken = {*symbols.roles, *constraint_names(spec)}
         self.use = Use((), Expression("", Number(0, 0, 0.0)), CONSTANT)
 
     def definition(self, name: str, expression: Expression) -> Expression:
@@ -147,6 +164,7 @@ class _Slack(_Smooth):
 
     def expression(self, use: Use) -> Expression:
         self.use = use
+        # at the ends a definition has values of its own, so the slack variables that it has over time do not serve
         root = self._written_out(use.expression.root) if use.context == BOUNDARY else use.expression.root
         return replace(use.expression, root=self.visit(root, self._wanted_of(use)))
 
@@ -154,33 +172,36 @@ class _Slack(_Smooth):
         return self.monotone.slopes(node)
 
     def replaced(self, node: Operation, wanted: Signs) -> Node:
-        if node.symbol == "abs":
+        row = FUNCTIONS[node.symbol]
+        if row.arguments == (1, 1):
             return self._sum(node, node.operands[0], wanted)
-        operands, sums = node.operands, []
-        of_abs = wanted if node.symbol == "max" else negative(wanted)
+        operands = node.operands
+        sums: list[Node] = []
+        # min falls as its |a - b| grows, so what is wanted of that is the opposite of what is wanted of min
+        of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
-            difference = Chain(node.start, node.stop, so_far, (Step(node.start, node.stop, "-", operands[k]),))
+            difference = Chain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
             sums.append(self._sum(node, difference, of_abs))
         return _extreme(node, operands, sums)
 
     def _sum(self, node: Operation, y: Node, wanted: Signs) -> Node:
         """s1 + s2 for |y|, and what it needs."""
-        place, text = (node.start, node.stop), self.use.expression.text
+        span, text = (node.start, node.stop), self.use.expression.text
         stem = self._stem(node.symbol)
-        plus, minus = (Name(*place, f"{stem}_{side}", None) for side in ("plus", "minus"))
+        plus, minus = (Name(*span, f"{stem}_{side}", None) for side in ("plus", "minus"))
         over_time = self.use.context != BOUNDARY and any(self._varies(n) for n in nodes(y))
         variables, relations = self.found.controls, self.found.path
         if not over_time:
             variables, relations = self.found.parameters, self.found.boundary
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
-        definition = Chain(*place, y, (Step(*place, "-", plus), Step(*place, "+", minus)))  # (8.11)
-        relations.append(Constraint(stem, Expression(text, definition), Range(0.0, 0.0)))
-        if -1 in wanted:
-            both = Expression(text, Chain(*place, plus, (Step(*place, "*", minus),)))
-            relations.append(Constraint(f"{stem}_complementary", both, Range(upper=0.0)))
+        definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
+        relations.append(Relation(stem, Expression(text, definition), Range(0.0, 0.0)))
+        if -1 in wanted:  # a sum larger than |y| would pay somewhere: only a constraint keeps it exact
+            both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
+            relations.append(Relation(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
-        return Chain(*place, plus, (Step(*place, "+", minus),))  # (8.9)
+        return Chain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
 
     def _warn(self, node: Operation, stem: str) -> None:
         where = excerpt(self.use.expression.text, node.start, node.stop)
@@ -226,11 +247,12 @@ class _Slack(_Smooth):
             if isinstance(node, Name) and node.name in self.symbols.definitions:
                 wanted[node.name] = wanted.get(node.name, frozenset()) | signs
             for inner, slope in zip(below(node), self.monotone.slopes(node), strict=True):
-                spread(inner, product(signs, slope))
+                spread(inner, product_of_signs(signs, slope))
 
         for use in uses(self.spec):
             if use.context not in (CONSTANT, BOUNDARY) and use.path[0] != "expressions":
                 spread(use.expression.root, self._wanted_of(use))
+        # from the last: what refers to a definition comes after it, so that its own signs are complete by then
         for name in reversed(self.symbols.definitions):
             if name in wanted:
                 spread(self.symbols.definitions[name].root, wanted[name])
@@ -242,10 +264,11 @@ class _Slack(_Smooth):
             case ("objective", sense, _):
                 return POSITIVE if sense == "minimize" else NEGATIVE
             case ("constraints", kind, i, _):
-                constraint = getattr(self.spec.constraints, kind)[i]
+                constraint = getattr(self.spec.constraints, str(kind))[i]
         if use.path[0] != "constraints":
             return EITHER
         bounds, signs = self.symbols.range(constraint), self.monotone.signs(use.expression.root)
+        # a bound that the sign alone keeps wants nothing
         above = bounds.upper < float("inf") and not (bounds.upper >= 0 and signs == NEGATIVE)
         under = bounds.lower > -float("inf") and not (bounds.lower <= 0 and signs == POSITIVE)
         return (POSITIVE if above else frozenset()) | (NEGATIVE if under else frozenset())
@@ -258,13 +281,13 @@ def _extreme(node: Operation, operands: tuple[Node, ...], sums: list[Node]) -> N
     return replace(node, symbol=stand_in(node.symbol, SLACK), operands=(*operands, *sums))
 
 
-def _moved(tree: Node, name: Name, varies) -> Node:
+def _moved(tree: Node, name: Name, varies: Callable[[str], bool]) -> Node:
     """A tree in the place of a name: varying names in it are taken at the end that the name is taken at."""
     if isinstance(tree, Name):
         return replace(name, name=tree.name, end=name.end if varies(tree.name) else None)
     new = rebuilt(tree, [_moved(node, name, varies) for node in below(tree)])
     if isinstance(new, Chain):
-        new = replace(new, steps=tuple(replace(step, start=name.start, stop=name.stop) for step in new.steps))
+        new = replace(new, links=tuple(replace(link, start=name.start, stop=name.stop) for link in new.links))
     return replace(new, start=name.start, stop=name.stop)
 
 

@@ -9,18 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs
 from ..expressions.tree import Chain, Name, Node, Operation, below
 from ..problem import Range
 
-Signs = frozenset[int]
-POSITIVE, NEGATIVE, EITHER = frozenset({1}), frozenset({-1}), frozenset({1, -1})
 
-_SIGN_KEPT = ("sinh", "tanh", "asin", "atan", "-")
-_POSITIVE = ("exp", "sqrt", "cosh", "acos", "abs")
-_RISING = ("exp", "log", "sqrt", "sinh", "tanh", "asin", "atan", "min", "max")
-
-
-def product(a: Signs, b: Signs) -> Signs:
+def product_of_signs(a: Signs, b: Signs) -> Signs:
     return frozenset(x * y for x in a for y in b)
 
 
@@ -30,7 +24,9 @@ def negative(a: Signs) -> Signs:
 
 def within(bounds: Range) -> Signs:
     """The signs of the values in a range."""
-    return POSITIVE if bounds.lower >= 0 else NEGATIVE if bounds.upper <= 0 else EITHER
+    if bounds.lower >= 0:
+        return POSITIVE
+    return NEGATIVE if bounds.upper <= 0 else EITHER
 
 
 class Monotone:
@@ -78,18 +74,10 @@ class Monotone:
         return self._known[name]
 
     def _of_operation(self, symbol: str, operands: tuple[Node, ...]) -> Signs:
-        if symbol in _POSITIVE:
-            return POSITIVE
-        found = [self.signs(operand) for operand in operands]
-        if symbol in _SIGN_KEPT:
-            return negative(found[0]) if symbol == "-" else found[0]
         if symbol == "**":
             return self._of_power(*operands)
-        if symbol == "max":
-            return POSITIVE if POSITIVE in found else EITHER
-        if symbol == "min":
-            return NEGATIVE if NEGATIVE in found else EITHER
-        return EITHER
+        found = [self.signs(operand) for operand in operands]
+        return negative(found[0]) if symbol == "-" else FUNCTIONS[symbol].sign(found)
 
     def _of_power(self, base: Node, exponent: Node) -> Signs:
         n = self.constant(exponent)
@@ -100,24 +88,29 @@ class Monotone:
     def _partial(self, chain: Chain) -> list[Signs]:
         """The signs of first, of first + second, and so on."""
         found = [self.signs(chain.first)]
-        for step in chain.steps:
-            operand = self.signs(step.operand)
-            if step.symbol in "*/":
-                found.append(product(found[-1], operand))
+        for link in chain.links:
+            operand = self.signs(link.operand)
+            if link.symbol in "*/":
+                found.append(product_of_signs(found[-1], operand))
             else:
-                found.append(found[-1] | (operand if step.symbol == "+" else negative(operand)))
+                found.append(found[-1] | (operand if link.symbol == "+" else negative(operand)))
         return found
 
     def _slopes_of_chain(self, chain: Chain) -> list[Signs]:
         slopes, above = [], POSITIVE
-        for step, left in zip(reversed(chain.steps), reversed(self._partial(chain)[:-1]), strict=True):
-            operand = self.signs(step.operand)
-            if step.symbol == "/":
-                by_operand = negative(left) if operand != EITHER else EITHER
-            else:
-                by_operand = {"+": POSITIVE, "-": NEGATIVE, "*": left}[step.symbol]
-            slopes.append(product(above, by_operand))
-            above = product(above, operand) if step.symbol in "*/" else above
+        for link, left in zip(reversed(chain.links), reversed(self._partial(chain)[:-1]), strict=True):
+            operand = self.signs(link.operand)
+            match link.symbol:
+                case "+":
+                    by_operand = POSITIVE
+                case "-":
+                    by_operand = NEGATIVE
+                case "*":
+                    by_operand = left
+                case _:  # a quotient falls as its divisor grows, but for the jump at a divisor of zero
+                    by_operand = negative(left) if operand != EITHER else EITHER
+            slopes.append(product_of_signs(above, by_operand))
+            above = product_of_signs(above, operand) if link.symbol in "*/" else above
         return [above, *reversed(slopes)]
 
     def _slopes_of_power(self, base: Node, exponent: Node) -> list[Signs]:
@@ -127,15 +120,11 @@ class Monotone:
         if n is None and signs == POSITIVE:
             by_base = self.signs(exponent)
         elif n is not None and (n >= 0 or signs != EITHER):  # a negative power has a pole at zero
-            by_base = product(POSITIVE if n >= 0 else NEGATIVE, signs if n % 2 == 0 else POSITIVE)
+            by_base = product_of_signs(POSITIVE if n >= 0 else NEGATIVE, signs if n % 2 == 0 else POSITIVE)
             if n % 1:
                 by_base = POSITIVE if n >= 0 else NEGATIVE
         by_exponent = EITHER if b is None else POSITIVE if b >= 1 else NEGATIVE
         return [by_base, by_exponent]
 
     def _slope(self, symbol: str, operand: Node) -> Signs:
-        if symbol in _RISING:
-            return POSITIVE
-        if symbol in ("-", "acos"):
-            return NEGATIVE
-        return self.signs(operand) if symbol in ("abs", "cosh") else EITHER
+        return NEGATIVE if symbol == "-" else FUNCTIONS[symbol].slope(self.signs(operand))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from .values import Entry, Formula, Shorthand, Text, mistake
+from .fields import Entry, Formula, Shorthand, Text, mistake
 
 LOWER = "lower bound; default none"
 UPPER = "upper bound; default none"
@@ -30,7 +30,7 @@ class EndValue(Shorthand):
     upper: Formula | None = Field(None, description=UPPER)
 
     @model_validator(mode="after")
-    def _one_form(self):
+    def _one_form(self) -> Self:
         given = [k for k in type(self).model_fields if getattr(self, k) is not None]
         if "value" in given and len(given) > 1:
             raise mistake(f"value and {given[1]} are both given", "keep the value, or lower and upper")
@@ -67,7 +67,7 @@ class Velocity(Entry):
     note: Text = Field("", description=NOTE)
 
 
-class State(Entry):
+class StateEntry(Entry):
     """A state, given by its rate of change, by its acceleration, or by residuals."""
 
     unit: Text = Field("", description=UNIT)
@@ -87,7 +87,7 @@ class State(Entry):
     note: Text = Field("", description=NOTE)
 
     @model_validator(mode="after")
-    def _one_kind_of_dynamics(self):
+    def _one_kind_of_dynamics(self) -> Self:
         for key in ("accel", "velocity"):
             if self.rate is not None and getattr(self, key) is not None:
                 raise mistake(f"rate and {key} are both given", f"keep the rate, or state the dynamics by {key}: alone")

@@ -6,10 +6,11 @@ import types
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from ..text import brief, did_you_mean, nearest
-from ..yaml.document import Path, kind
-from ..yaml.locations import MAX_FINDINGS, Finding, Places
+from ..yaml.document import Path, in_words
+from ..yaml.locations import MAX_FINDINGS, Finding, Locations
 from .spec import Spec
 
 # How the sections are written, by key; for other keys their description says it.
@@ -45,29 +46,29 @@ EXAMPLES = {
 }
 
 
-def findings(error: ValidationError, places: Places) -> list[Finding]:
+def findings(error: ValidationError, locations: Locations) -> list[Finding]:
     """One finding for each error, at the longest part of its path that stands in the file."""
     # one more than will be shown
     errors = error.errors(include_url=False)[: MAX_FINDINGS + 1]
     extra = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
     # a key that is only misspelt is not missing as well
     meant = {(*path[:-1], close) for path in extra if (close := nearest(path[-1], _keys(path[:-1])))}
-    return [_finding(e, places) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
+    return [_finding(e, locations) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
 
 
-def _finding(error: dict[str, Any], places: Places) -> Finding:
+def _finding(error: ErrorDetails, locations: Locations) -> Finding:
     path: Path = error["loc"]
     what, remedy = _words(error, path)
     if error["type"] != "missing":
-        while path and not places.known(path):
+        while path and not locations.known(path):
             path = path[:-1]
     return Finding(path, what, remedy)
 
 
-def _words(error: dict[str, Any], path: Path) -> tuple[str, str]:
+def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
     """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
-    given, context = kind(error.get("input")), error.get("ctx", {})
-    key, written = brief(path[-1]) if path else "", form(path)
+    given, context = in_words(error.get("input")), error.get("ctx", {})
+    key, written = brief(path[-1]) if path else "", how_written(path)
     if error["type"] == "mistake":
         return context["what"], context["remedy"]
     if error["type"] == "missing" and path == ("trajopt",):
@@ -101,12 +102,12 @@ def _keys(path: Path) -> list[str]:
     return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
 
 
-def form(path: Path) -> str:
+def how_written(path: Path) -> str:
     """How the value at this path is written, or the mapping or the list that it is an entry of: "for example ..."."""
     for n in range(len(path), 0, -1):
         owner = _field(path[: n - 1])
-        if isinstance(owner, type) and issubclass(owner, BaseModel) and path[n - 1] in owner.model_fields:
-            key = path[n - 1]
+        key = str(path[n - 1])
+        if isinstance(owner, type) and issubclass(owner, BaseModel) and key in owner.model_fields:
             plain = _field(path[:n]) is Any  # as the integral of minimize: and the objective of reference:
             if key in EXAMPLES and not plain:
                 return f"for example {key}: {EXAMPLES[key]}"
@@ -119,7 +120,7 @@ def _field(path: Path) -> Any:
     annotation: Any = Spec
     for step in path:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            known = annotation.model_fields.get(step)
+            known = annotation.model_fields.get(str(step))
             annotation = _bare(known.annotation) if known else None
         else:
             arguments = get_args(annotation)

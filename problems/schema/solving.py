@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from ..text import brief, did_you_mean
-from ..yaml.document import kind
-from .values import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
+from ..yaml.document import in_words
+from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
@@ -16,24 +16,28 @@ DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
 
-def _count(largest: int, of: str) -> Any:
+def _whole_number(largest: int, of: str) -> Any:
     """The type of a whole number from 1 to the largest."""
 
-    def check(value: Any) -> int:
-        whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
-        if not whole or not 1 <= value <= largest:
-            what = f"this is no number of {of}: {kind(value)}"
+    def whole(value: Any) -> int:
+        is_whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+        if not is_whole or not 1 <= value <= largest:
+            what = f"this is no number of {of}: {in_words(value)}"
             raise mistake(what, f"write a whole number from 1 to {largest}")
         return int(value)
 
     schema = {"type": "integer", "minimum": 1, "maximum": largest}
-    return Annotated[Any, PlainValidator(check), WithJsonSchema(schema)]
+    return Annotated[Any, PlainValidator(whole), WithJsonSchema(schema)]
 
 
-Substeps, Meshes = _count(MAX_SUBSTEPS, "substeps"), _count(MAX_MESHES, "meshes")
+if TYPE_CHECKING:
+    Substeps = int
+    Meshes = int
+else:
+    Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
 
 
-class Mesh(Entry):
+class MeshEntry(Entry):
     """One entry of the mesh schedule."""
 
     method: Text = Field(description="collocation method, or shooting; `trajopt methods` lists them")
@@ -53,12 +57,16 @@ class Mesh(Entry):
     )
 
     @model_validator(mode="after")
-    def _as_many_degrees_as_segments(self):
+    def _as_many_degrees_as_segments(self) -> Self:
         if isinstance(self.degree, tuple):
-            count = self.segments if isinstance(self.segments, int) else len(self.segments)
+            count = self.number_of_segments
             if len(self.degree) != count:
                 raise mistake(f"there are {len(self.degree)} degrees for {count} segments", "give one for each segment")
         return self
+
+    @property
+    def number_of_segments(self) -> int:
+        return self.segments if isinstance(self.segments, int) else len(self.segments)
 
     @field_validator("method")
     @classmethod
@@ -77,7 +85,7 @@ class Mesh(Entry):
         return value
 
 
-class Refine(Entry):
+class RefineEntry(Entry):
     """Solve on finer and finer meshes after the schedule, until the error estimate meets a tolerance everywhere."""
 
     tolerance: Number = Field(
@@ -111,7 +119,7 @@ class Solver(Entry):
 
     @property
     def options(self) -> dict[str, int | float | str]:
-        return dict(self.model_extra)
+        return dict(self.model_extra or {})
 
 
 class Reference(Entry):

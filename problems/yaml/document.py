@@ -11,7 +11,7 @@ import copy
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import yaml
 
@@ -19,13 +19,13 @@ from ..errors import Mistake, SpecError
 from ..text import brief
 
 MAX_BYTES = 1_000_000
-MAX_DEPTH = 20
+MAX_LEVELS = 20
 MAX_NODES = 300_000
 MAX_ALIASES = 100
 
 Path = tuple[str | int, ...]
 
-_TOO_DEEP = f"the file is nested deeper than {MAX_DEPTH} levels", "remove brackets or indentation"
+_TOO_DEEP = f"the file is nested deeper than {MAX_LEVELS} levels", "remove brackets or indentation"
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -80,13 +80,13 @@ def decode(content: bytes, file: str) -> str:
     return text
 
 
-def read(text: str, file: str) -> Document:
+def read_document(text: str, file: str) -> Document:
     """The one mapping that the text holds. Raises SpecError; `file` is the name used in its messages."""
     data, lines = _compose(text, file)
     if data is None:
         raise SpecError(Mistake(file, "the file is empty", "start from an example: trajopt init NAME"))
     if not isinstance(data, dict):
-        what = f"the file holds {kind(data)}, not a mapping"
+        what = f"the file holds {in_words(data)}, not a mapping"
         raise SpecError(Mistake(f"{file}:1", what, "write keys such as name: and states: at its left margin"))
     return Document(data, lines)
 
@@ -102,7 +102,7 @@ def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
     return data, composer.lines
 
 
-def value(text: str, where: str) -> Any:
+def value_of(text: str, where: str) -> Any:
     """The value that a piece of YAML on the command line means. Raises SpecError at `where`."""
     try:
         return _compose(text, where)[0]
@@ -120,7 +120,7 @@ def scalar(text: str) -> Any:
     return float(text) if _FLOAT.fullmatch(text) else text
 
 
-def kind(value: Any) -> str:
+def in_words(value: Any) -> str:
     """What a value is, in words, for messages."""
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -128,10 +128,12 @@ def kind(value: Any) -> str:
         return f"the number {value:g}"
     if isinstance(value, str):
         return f'the text "{brief(value)}"'
-    return {dict: "a mapping", list: "a list"}.get(type(value), "nothing")
+    if isinstance(value, dict):
+        return "a mapping"
+    return "a list" if isinstance(value, list) else "nothing"
 
 
-def show(path: Path) -> str:
+def dotted(path: Path) -> str:
     """A path as the user writes it: mesh.0.segments."""
     return ".".join(map(brief, path))
 
@@ -141,7 +143,7 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
     mark, lines = getattr(error, "problem_mark", None), text.splitlines()
     if mark is not None and mark.line >= len(lines):
         # what is missing at the end of the file belongs to what was opened before it
-        mark = error.context_mark or mark
+        mark = getattr(error, "context_mark", None) or mark
     if mark is None:
         return Mistake(file, f"this is not YAML ({problem})", "save the file as plain text")
     if "maximum nesting depth" in problem:  # libyaml 0.2.6 reads ahead, and stops itself at some 1000 levels
@@ -154,6 +156,11 @@ def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
     start = getattr(error, "context_mark", None) or mark
     inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
     return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
+
+
+def _line(event: yaml.Event) -> int:
+    """The line of an event of the file, from 1."""
+    return event.start_mark.line + 1 if event.start_mark else 1
 
 
 class _Composer:
@@ -178,7 +185,7 @@ class _Composer:
 
     def node(self, event: yaml.Event, path: Path) -> Any:
         """The value that starts with this event."""
-        self.check(event, path)
+        self.check_event(event, path)
         if isinstance(event, yaml.AliasEvent):
             return self.alias(event)
         before = self.nodes
@@ -188,15 +195,15 @@ class _Composer:
             value = self.sequence(path)
         else:
             value = self.mapping(path)
-        if event.anchor is not None:
+        if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
             self.anchors[event.anchor] = value, self.nodes - before + 1
         return value
 
-    def sequence(self, path: Path) -> list:
+    def sequence(self, path: Path) -> list[Any]:
         items: list[Any] = []
         while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
             here = (*path, len(items))
-            self.lines[here] = event.start_mark.line + 1
+            self.lines[here] = _line(event)
             items.append(self.node(event, here))
         return items
 
@@ -205,12 +212,12 @@ class _Composer:
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent):
                 self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
-            self.check(event, path)
+            self.check_event(event, path)
             here = (*path, event.value)
-            line = event.start_mark.line + 1
+            line = _line(event)
             if event.value in entries:
                 what = f"the key is given twice, first on line {self.lines[here]}"
-                self.mistakes.append(Mistake(f"{self.file}:{line}: {show(here)}", what, "remove one of them"))
+                self.mistakes.append(Mistake(f"{self.file}:{line}: {dotted(here)}", what, "remove one of them"))
                 self.node(next(self.events), here)
                 continue
             self.lines[here] = line
@@ -218,9 +225,10 @@ class _Composer:
         return entries
 
     def alias(self, event: yaml.AliasEvent) -> Any:
-        if event.anchor not in self.anchors:
-            self.stop(event, f"*{brief(event.anchor)} refers to no anchor", "put a text that starts with * in quotes")
-        value, size = self.anchors[event.anchor]
+        anchor = str(event.anchor)
+        if anchor not in self.anchors:
+            self.stop(event, f"*{brief(anchor)} refers to no anchor", "put a text that starts with * in quotes")
+        value, size = self.anchors[anchor]
         self.aliases += 1
         self.nodes += size
         if self.aliases > MAX_ALIASES:
@@ -228,18 +236,19 @@ class _Composer:
         self.check_size(event)
         return copy.deepcopy(value)
 
-    def check(self, event: yaml.Event, path: Path) -> None:
+    def check_event(self, event: yaml.Event, path: Path) -> None:
         self.nodes += 1
         self.check_size(event)
-        if len(path) > MAX_DEPTH:
+        if len(path) > MAX_LEVELS:
             self.stop(event, *_TOO_DEEP)
-        if getattr(event, "tag", None) is not None:
-            what = f"the tag {brief(event.tag)} is not allowed"
+        tag = getattr(event, "tag", None)
+        if tag is not None:
+            what = f"the tag {brief(tag)} is not allowed"
             self.stop(event, what, "write the plain value, or put the text in quotes")
 
     def check_size(self, event: yaml.Event) -> None:
         if self.nodes > MAX_NODES:
             self.stop(event, f"the file holds more than {MAX_NODES} values", "remove aliases or shorten its lists")
 
-    def stop(self, event: yaml.Event, what: str, remedy: str):
-        raise SpecError([*self.mistakes, Mistake(f"{self.file}:{event.start_mark.line + 1}", what, remedy)])
+    def stop(self, event: yaml.Event, what: str, remedy: str) -> NoReturn:
+        raise SpecError([*self.mistakes, Mistake(f"{self.file}:{_line(event)}", what, remedy)])

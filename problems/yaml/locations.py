@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from ..errors import Mistake
-from .document import Path, show
+from .document import Path, dotted
 
 MAX_FINDINGS = 100
 
@@ -21,7 +21,7 @@ class Finding(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Places:
+class Locations:
     """Where each path was given: lines in the file, or an override (path -> its text on the command line)."""
 
     file: str
@@ -71,4 +71,4 @@ class Places:
         if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
             # the long form of a value that the file gives in short
             path = path[:-1]
-        return f"{self.file}:{origin}: {show(path)}" if path else f"{self.file}:{origin}"
+        return f"{self.file}:{origin}: {dotted(path)}" if path else f"{self.file}:{origin}"

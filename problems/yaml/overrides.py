@@ -8,8 +8,7 @@ from typing import Any
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean
-from . import document as yamltext
-from .document import Document, Path, kind, show
+from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset({"parameters", "expressions", "states", "controls", "algebraic", "optimize"})
@@ -31,7 +30,7 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
             if not equals or not shown.strip():
                 raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
             where = f"--set {shown.strip()}"
-            new = yamltext.value(value, where)
+            new = value_of(value, where)
             for path in list(_paths(document.data, shown.strip(), where)):
                 _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
@@ -47,7 +46,7 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
 def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
     """The paths that an override names: several with *."""
     steps = shown.replace("[", ".").replace("]", "").split(".")
-    if len(steps) > yamltext.MAX_DEPTH or "" in steps:
+    if len(steps) > MAX_LEVELS or "" in steps:
         raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
     found: list[tuple[Path, Any]] = [((), data)]
     for step in steps:
@@ -60,9 +59,11 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
 def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:
     """The keys that one step of a path means below a node."""
     if step == "*":
-        keys = list(node) if isinstance(node, dict) else list(range(len(node))) if isinstance(node, list) else []
+        keys: list[str | int] = []
+        if isinstance(node, dict | list):
+            keys = list(node) if isinstance(node, dict) else list(range(len(node)))
         if not keys:
-            raise SpecError(Mistake(where, f"{show(path) or 'the file'} has nothing for * to mean", "name the key"))
+            raise SpecError(Mistake(where, f"{dotted(path) or 'the file'} has nothing for * to mean", "name the key"))
         return keys
     if isinstance(node, list):
         return [_index(node, step, path, where)]
@@ -77,20 +78,20 @@ def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> Non
             raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
 
 
-def _index(items: list, step: str, path: Path, where: str) -> int:
+def _index(items: list[Any], step: str, path: Path, where: str) -> int:
     try:
         index = int(step)
     except ValueError:
-        what = f"{show(path)} is a list, so {step} is no key of it"
-        raise SpecError(Mistake(where, what, f"write an index such as {show((*path, 0))}, or * for all")) from None
+        what = f"{dotted(path)} is a list, so {step} is no key of it"
+        raise SpecError(Mistake(where, what, f"write an index such as {dotted((*path, 0))}, or * for all")) from None
     if not -len(items) <= index < len(items):
-        what = f"{show(path)} has {len(items)} entries, so there is no entry {index}"
+        what = f"{dotted(path)} has {len(items)} entries, so there is no entry {index}"
         raise SpecError(Mistake(where, what, f"write an index from 0 to {len(items) - 1}"))
     return index % len(items)
 
 
 def _below(node: Any, key: str | int) -> Any:
-    if isinstance(node, list):
+    if isinstance(node, list) and isinstance(key, int):
         return node[key]
     return node.get(key) if isinstance(node, dict) else None
 
@@ -99,10 +100,12 @@ def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
     """Set one value. A plain value on the way, such as 0.3 for {value: 0.3}, becomes its long form."""
     node: Any = data
     for i, (step, following) in enumerate(pairwise(path)):
-        inner = node[step] if isinstance(node, list) else node.get(step)
+        inner = _below(node, step)
         if not isinstance(inner, dict | list):
             if not isinstance(following, str) or isinstance(inner, bool):
-                raise SpecError(Mistake(where, f"{show(path[: i + 1])} is {kind(inner)}", "name what stands there"))
+                raise SpecError(
+                    Mistake(where, f"{dotted(path[: i + 1])} is {in_words(inner)}", "name what stands there")
+                )
             short = "expression" if path[0] == "residuals" else "value"
             inner = {} if inner in (None, "linear", "slack") else {short: inner}
             node[step] = inner

@@ -69,7 +69,7 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
 def place_for(path: Path, problem: str, solved: bool) -> Path:
     """Where the result of a problem goes so that no solution is lost: `path`, or a name beside it.
 
-    Only another solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
+    Only a solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
     if something else is there, to NAME-unsolved-2.h5 and so on.
     """
     if solved or not _told_by(path, "solved"):

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ...problems.build import build_all
-from ...problems.catalog import find as find_problem
+from ...problems.catalog import find_problem
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import check_writable, replacing
 from ...problems.load import load

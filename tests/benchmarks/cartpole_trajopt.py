@@ -15,7 +15,7 @@ import time
 began = time.perf_counter()
 
 from trajopt.problems.build import build  # noqa: E402
-from trajopt.problems.catalog import find  # noqa: E402
+from trajopt.problems.catalog import find_problem  # noqa: E402
 from trajopt.problems.load import load  # noqa: E402
 from trajopt.transcription.engines.ipopt import check_options  # noqa: E402
 from trajopt.transcription.settings import settings_of, steps  # noqa: E402
@@ -27,7 +27,7 @@ imported = time.perf_counter()
 
 def main(segments, overrides):
     start, cpu = time.perf_counter(), time.process_time()
-    spec = load(find("cartpole"), [f"mesh.-1.segments={segments}", *overrides])
+    spec = load(find_problem("cartpole"), [f"mesh.-1.segments={segments}", *overrides])
     problem, schedule = build(spec), steps(spec.mesh)
     read = time.perf_counter() - start
     solution = solve(problem, schedule, settings_of(spec))

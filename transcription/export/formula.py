@@ -17,6 +17,7 @@ from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types, value
 from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
 
+from ...problems.expressions.functions import FUNCTIONS
 from ..program.templates import TemplateError
 
 LINE = 96.0  # digits of 10 pt that fit between the margins of `latex`
@@ -24,8 +25,6 @@ FRACTION = 74.0  # wider quotients are written with a slash
 TOGETHER = 30.0  # narrower parentheses are not broken
 SUBSCRIPT = 0.8  # the width of its digits, which are smaller
 INDENT = 2.0
-
-COMMANDS = {"asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan"}  # the others are called as in Pyomo
 
 
 class Binding(IntEnum):
@@ -164,7 +163,7 @@ def power(base: Formula, exponent: Formula) -> Formula:
     raised = Piece(f"^{{{exponent.text}}}", SUBSCRIPT * exponent.width)
     if base.binding is Binding.CALL and not base.negative and exponent.text.isdigit():  # sin^2(x)
         first = base.pieces[0]
-        command = re.match(r"\\[a-z]+", first.text)[0]
+        command = re.match(r"\\[a-z]+(\{[a-z]+\})?", first.text)[0]
         rest = Formula((Piece(first.text.removeprefix(command), first.width), *base.pieces[1:]), Binding.POWER)
         return rest.behind(Piece(command, 0.0) + raised)
     return replace(base.signed().size(Binding.ATOM).before(raised), binding=Binding.POWER)
@@ -176,7 +175,7 @@ def call(function: str, a: Formula) -> Formula:
         return Formula((Piece(rf"\sqrt{{{a.text}}}", a.width + 2),), Binding.POWER)
     if function == "sqrt":
         return power(a, number(0.5))
-    command = Piece(COMMANDS.get(function, "\\" + function), len(function))
+    command = Piece(FUNCTIONS[function].latex if function in FUNCTIONS else "\\" + function, len(function))
     return replace(replace(a, binding=Binding.SUM).size(Binding.ATOM).behind(command), binding=Binding.CALL)
 
 

@@ -24,12 +24,10 @@ from pyomo.core.expr import numeric_expr as ne
 from pyomo.core.expr.numvalue import native_numeric_types, native_types, value
 from pyomo.core.expr.template_expr import GetItemExpression, IndexTemplate, TemplateSumExpression
 
+from ...problems.expressions.functions import FUNCTIONS
 from .templates import TemplateError
 
-FUNCTIONS = {
-    name: getattr(se, name)
-    for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
-}
+SYMENGINE = {row.name: getattr(se, row.name) for row in FUNCTIONS.values() if row.composed is None}
 EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers beyond it not all floats
 
 
@@ -242,9 +240,9 @@ class _Translation:
 
 
 def _function(e) -> Callable:
-    if e.getname() not in FUNCTIONS:
-        raise TemplateError(f"the function {e.getname()} has no derivative here; known: {', '.join(FUNCTIONS)}")
-    return FUNCTIONS[e.getname()]
+    if e.getname() not in SYMENGINE:
+        raise TemplateError(f"the function {e.getname()} has no derivative here; known: {', '.join(SYMENGINE)}")
+    return SYMENGINE[e.getname()]
 
 
 def _operation(e, parts: list, zero):

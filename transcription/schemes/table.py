@@ -14,8 +14,8 @@ from functools import cache
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.schema.solving import MAX_SUBSTEPS, Mesh
-from ...problems.schema.values import MAX_DEGREE
+from ...problems.schema.fields import MAX_DEGREE
+from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
 from .scheme import FiniteDifference, Scheme
@@ -272,7 +272,7 @@ def find(
     raise SpecError(Mistake("method", f"there is no method '{name}'", hint + "'trajopt methods' lists them all"))
 
 
-def check_schedule(schedule: Sequence[Mesh]) -> list[Mistake]:
+def check_schedule(schedule: Sequence[MeshEntry]) -> list[Mistake]:
     """What only the methods know: the degrees, forms, substeps and controls they have; each at its place."""
     mistakes = []
     for number, entry in enumerate(schedule):

@@ -205,7 +205,7 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
 def _value_fault(function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
-    return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.index, fault.values)
+    return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
 
 
 def _derivative_fault(function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
@@ -262,12 +262,12 @@ def _point_values(trajectory: Trajectory) -> dict:
     points = trajectory.mesh.collocated
     points = points[np.isfinite(np.vstack([trajectory.x, trajectory.u])[:, points]).all(axis=0)]
     x, u = trajectory.x[:, points], trajectory.u[:, points]
-    return trajectory.phase.values(trajectory.times[points], x, u, trajectory.parameters)
+    return trajectory.phase.arguments(trajectory.times[points], x, u, trajectory.parameters)
 
 
 def _end_values(trajectory: Trajectory) -> dict:
     """Names such as "q1[final]" -> values, shape (1,)."""
-    rows = trajectory.phase.values(trajectory.times, trajectory.x, trajectory.u, {})
+    rows = trajectory.phase.arguments(trajectory.times, trajectory.x, trajectory.u, {})
     ends = {
         f"{name}[{end}]": values[[k]]
         for name, values in rows.items()

@@ -139,7 +139,7 @@ class Excess:
 def excesses(trajectory: Trajectory) -> Iterator[Excess]:
     """Of everything that is bounded over time; the solver holds only the collocation points to it."""
     phase, sample = trajectory.phase, trajectory.dense
-    values = phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    values = phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     for variable in (*phase.states, *phase.inputs):
         if variable.bounds != Range():
             excess = variable.bounds.excess(values[variable.name])
@@ -150,7 +150,7 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
 
 
 def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
-    values = trajectory.phase.values(sample.t, sample.x, sample.u, trajectory.parameters)
+    values = trajectory.phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     return np.broadcast_to(function(values, np), sample.t.shape)
 
 

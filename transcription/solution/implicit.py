@@ -46,7 +46,7 @@ def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
     n, size = len(phase.controls), len(phase.algebraic)
     shifts = np.zeros((len(u), size + 1, 1), complex)
     shifts[n + np.arange(size), np.arange(size)] = COMPLEX_STEP * 1j
-    values = phase.values(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
+    values = phase.arguments(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
     rows = [np.broadcast_to(r.function(values, np), (size + 1, len(t))) for r in phase.residuals]
     residual = np.stack([row[-1].real for row in rows])
     jacobian = np.stack([row[:-1].imag for row in rows]).transpose(2, 0, 1) / COMPLEX_STEP

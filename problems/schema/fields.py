@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
+    GetJsonSchemaHandler,
     PlainSerializer,
     PlainValidator,
     WithJsonSchema,
@@ -19,7 +20,7 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.slips import ExpressionError
-from ..yaml.document import kind, scalar
+from ..yaml.document import in_words, scalar
 
 MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
@@ -27,14 +28,14 @@ MAX_TEXT = 10_000
 
 
 def mistake(what: str, remedy: str) -> PydanticCustomError:
-    """An error for a validator to raise; load.py gives it its place in the file."""
+    """An error for a validator to raise; load.py finds its line in the file."""
     return PydanticCustomError("mistake", "{what}; {remedy}", {"what": what, "remedy": remedy})
 
 
 def _number(value: Any) -> float:
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise mistake(f"this must be a number, not {kind(value)}", "write a number such as 0.5 or 1.0e-8")
+        raise mistake(f"this must be a number, not {in_words(value)}", "write a number such as 0.5 or 1.0e-8")
     if not math.isfinite(value):
         raise mistake(f"this must be a finite number, not {value}", "write a finite number, or leave the key out")
     return float(value)
@@ -50,7 +51,9 @@ def _formula(value: Any) -> Expression:
     if isinstance(value, float) and math.isnan(value):
         raise mistake("NaN is not a number", "write a finite number or an expression")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise mistake(f"this must be a number or an expression, not {kind(value)}", "write for example 0.5 or 2*pi*f")
+        raise mistake(
+            f"this must be a number or an expression, not {in_words(value)}", "write for example 0.5 or 2*pi*f"
+        )
     try:
         return parse(value if isinstance(value, str) else repr(value))
     except ExpressionError as error:
@@ -58,7 +61,8 @@ def _formula(value: Any) -> Expression:
 
 
 def _plain(expression: Expression) -> int | float | str:
-    return scalar(expression.text)
+    plain: int | float | str = scalar(expression.text)
+    return plain
 
 
 def _text(value: Any) -> Any:
@@ -74,7 +78,7 @@ def _segments(value: Any) -> int | tuple[float, ...]:
             raise mistake("a segment width is zero or negative", "write positive relative widths such as [1, 2, 1]")
         return widths
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0:
-        raise mistake(f"this must be a whole number or a list of widths, not {kind(value)}", "write for example 25")
+        raise mistake(f"this must be a whole number or a list of widths, not {in_words(value)}", "write for example 25")
     if not 1 <= value <= MAX_SEGMENTS:
         raise mistake(f"{value:g} segments are asked for", f"ask for 1 to {MAX_SEGMENTS}")
     return int(value)
@@ -84,31 +88,22 @@ def _option(value: Any) -> int | float | str:
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if not isinstance(value, int | float | str) or (isinstance(value, float) and not math.isfinite(value)):
-        raise mistake(f"a solver's option cannot be {kind(value)}", "write a finite number, a word, or yes or no")
-    return value
-
-
-_NUMBER_SCHEMA = {"type": ["number", "string"]}
-Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
-Formula = Annotated[
-    Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
-]
-Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
-Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
-Widths = Annotated[
-    list[Formula],
-    Field(min_length=1),
-    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
-    WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
-]
+    if isinstance(value, int | str) or (isinstance(value, float) and math.isfinite(value)):
+        return value
+    raise mistake(f"a solver's option cannot be {in_words(value)}", "write a finite number, a word, or yes or no")
 
 
 def _degree(value: Any) -> int | tuple[int, ...]:
     if isinstance(value, list):
-        return tuple(_degree(item) for item in value)
+        return tuple(map(_degree_of_segment, value))
+    return _degree_of_segment(value)
+
+
+def _degree_of_segment(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int | float) or value % 1 != 0 or not 1 <= value <= MAX_DEGREE:
-        raise mistake(f"the degree is {kind(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them")
+        raise mistake(
+            f"the degree is {in_words(value)}", f"write a whole number from 1 to {MAX_DEGREE}, or a list of them"
+        )
     return int(value)
 
 
@@ -118,33 +113,86 @@ def _scaling(value: Any) -> str | dict[str, float]:
         if min(sizes.values()) <= 0:
             raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
         return sizes
-    if value not in ("none", "auto"):
-        raise mistake(f"this must be none, auto, or sizes by name, not {kind(value)}", "write for example auto")
-    return value
+    if isinstance(value, str) and value in ("none", "auto"):
+        return value
+    raise mistake(f"this must be none, auto, or sizes by name, not {in_words(value)}", "write for example auto")
 
 
+_NUMBER_SCHEMA = {"type": ["number", "string"]}
 _DEGREE_SCHEMA = {"type": "integer", "minimum": 1, "maximum": MAX_DEGREE}
-Degree = Annotated[
-    Any,
-    PlainValidator(_degree),
-    WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
-]
-Scaling = Annotated[
-    Any,
-    PlainValidator(_scaling),
-    WithJsonSchema({"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}),
-]
-Segments = Annotated[
-    Any,
-    PlainValidator(_segments),
-    WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": _NUMBER_SCHEMA}]}),
-]
+
+Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
+
+# What the type checker is told is what the validators return; pydantic is told to take their word for it.
+if TYPE_CHECKING:
+    Number = float
+    Formula = Expression
+    Option = int | float | str
+    Widths = list[Expression]
+    Degree = int | tuple[int, ...]
+    Scaling = str | dict[str, float]
+    Segments = int | tuple[float, ...]
+else:
+    Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+    Formula = Annotated[
+        Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
+    ]
+    Option = Annotated[Any, PlainValidator(_option), WithJsonSchema({"type": ["number", "string", "boolean"]})]
+    Widths = Annotated[
+        list[Formula],
+        Field(min_length=1),
+        BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+        WithJsonSchema({"anyOf": [_NUMBER_SCHEMA, {"type": "array", "items": _NUMBER_SCHEMA, "minItems": 1}]}),
+    ]
+    Degree = Annotated[
+        Any,
+        PlainValidator(_degree),
+        WithJsonSchema({"anyOf": [_DEGREE_SCHEMA, {"type": "array", "items": _DEGREE_SCHEMA}]}),
+    ]
+    Scaling = Annotated[
+        Any,
+        PlainValidator(_scaling),
+        WithJsonSchema(
+            {"anyOf": [{"enum": ["none", "auto"]}, {"type": "object", "additionalProperties": _NUMBER_SCHEMA}]}
+        ),
+    ]
+    Segments = Annotated[
+        Any,
+        PlainValidator(_segments),
+        WithJsonSchema({"anyOf": [{"type": "integer", "minimum": 1}, {"type": "array", "items": _NUMBER_SCHEMA}]}),
+    ]
+
+
+class Bounded(Protocol):
+    """An entry that bounds a value: of a variable, of a constraint, at an end of time."""
+
+    @property
+    def lower(self) -> Expression | None: ...
+
+    @property
+    def upper(self) -> Expression | None: ...
+
+
+def either_form(short: dict[str, Any], core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    """The JSON Schema of a mapping for which something shorter may stand.
+
+    short: JSON Schema of the short form.
+    core_schema, handler: as pydantic gives them to `__get_pydantic_json_schema__`.
+    """
+    reference = handler(core_schema)
+    definition = handler.resolve_ref_schema(reference)
+    long = dict(definition)
+    definition.clear()
+    definition.update({"anyOf": [short, long]})
+    return reference
 
 
 class Entry(BaseModel):
     """A mapping of the file. A key with an empty value counts as left out."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, model_title_generator=lambda entry: entry.__name__.removesuffix("Entry")
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -168,10 +216,5 @@ class Shorthand(Entry):
         return data if isinstance(data, dict | cls) else {cls.short: data}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core_schema, handler):
-        reference = handler(core_schema)
-        schema = handler.resolve_ref_schema(reference)
-        long = dict(schema)
-        schema.clear()
-        schema.update({"anyOf": [_NUMBER_SCHEMA, long]})
-        return reference
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form(_NUMBER_SCHEMA, core_schema, handler)

@@ -1,0 +1,138 @@
+"""The functions of the expression language, one row each. A new function is a new row and nothing else.
+
+Whoever needs to know something of a function asks its row: the reader of expressions its name and its arguments, an
+evaluation its value, the analysis of signs how sign and slope follow from those of the argument, SymEngine and the
+formulas of `trajopt export` what it is called there. SymEngine differentiates by itself; tests hold its derivative,
+the one of the row and differences of the values against each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial, reduce
+from typing import Any
+
+import numpy as np
+
+Signs = frozenset[int]
+"""+1 if a value may be positive, -1 if it may be negative; zero is in either. Empty: it has no effect."""
+POSITIVE, NEGATIVE, EITHER = frozenset({1}), frozenset({-1}), frozenset({1, -1})
+
+SignRule = Callable[[Sequence[Signs]], Signs]
+"""The signs of the operands -> those of the value."""
+SlopeRule = Callable[[Signs], Signs]
+"""The signs of an operand -> those of the derivative by it."""
+
+MAX_ARGUMENTS = 20
+
+
+def always(signs: Signs) -> Callable[[Any], Signs]:
+    """The rule for what does not depend on the operands."""
+    return lambda _: signs
+
+
+unknown = always(EITHER)
+
+
+def sign_kept(signs: Sequence[Signs]) -> Signs:
+    """The rule for odd functions that rise: the value has the sign of its operand."""
+    return signs[0]
+
+
+def with_operand(signs: Signs) -> Signs:
+    """The rule for even functions that rise away from zero: the slope has the sign of the operand."""
+    return signs
+
+
+@dataclass(frozen=True)
+class FunctionRow:
+    """A function of the expression language.
+
+    name: in expressions. NumPy, Pyomo and SymEngine have a function of that name unless `composed` is given.
+    derivative: by its operand x, an expression; "" where there are several operands.
+    latex: the command that prints it; "" for abs, min and max, which are printed as what stands in for them.
+    sign, slope: rules for the analysis of signs; EITHER is never wrong.
+    composed: (functions, operands) -> value, for what the libraries have under no name: made of functions that they
+        have, which are what is then differentiated and printed.
+    arguments: the least and the largest number of operands.
+    in_abs: +1 or -1 if the function is made of |y|, which then has that sign in it: such a function is not consistent
+        (paper, section 5.5) unless y is constant. 0 for smooth functions.
+    minus_infinity: what is wrong where the value is minus infinity.
+    """
+
+    name: str
+    derivative: str
+    latex: str = ""
+    sign: SignRule = unknown
+    slope: SlopeRule = unknown
+    composed: Callable[[Any, Sequence[Any]], Any] | None = None
+    arguments: tuple[int, int] = (1, 1)
+    in_abs: int = 0
+    minus_infinity: str = "is too large a number"
+
+    def evaluate(self, functions: Any, operands: Sequence[Any]) -> Any:
+        """The value. functions: `numpy` or `pyomo.core`. operands: of a kind that this module takes."""
+        if self.composed is not None:
+            return self.composed(functions, operands)
+        return getattr(functions, self.name)(*operands)
+
+    def from_abs(self, operands: Sequence[Any], absolute: Callable[[Any], Any]) -> Any:
+        """abs, min or max of the operands by means of a function |y|, from the left.
+
+        min(a, b) = (a + b - |a - b|)/2 and max(a, b) = (a + b + |a - b|)/2.
+        """
+        if self.arguments == (1, 1):
+            return absolute(operands[0])
+        return reduce(lambda a, b: (a + b + self.in_abs * absolute(a - b)) / 2, operands)
+
+
+def _of_max(signs: Sequence[Signs]) -> Signs:
+    return POSITIVE if POSITIVE in signs else EITHER
+
+
+def _of_min(signs: Sequence[Signs]) -> Signs:
+    return NEGATIVE if NEGATIVE in signs else EITHER
+
+
+def _exact(function: Callable[[Any, Any], Any], functions: Any, operands: Sequence[Any]) -> Any:
+    return reduce(function, operands)
+
+
+_ANY = (2, MAX_ARGUMENTS)
+_RISING = _POSITIVE = always(POSITIVE)
+_FALLING = always(NEGATIVE)
+
+_ROWS = (
+    FunctionRow("sin", "cos(x)", r"\sin"),
+    FunctionRow("cos", "-sin(x)", r"\cos"),
+    FunctionRow("tan", "1 + tan(x)**2", r"\tan"),  # rises between its poles, and falls over them
+    FunctionRow("asin", "1/sqrt(1 - x**2)", r"\arcsin", sign_kept, _RISING),
+    FunctionRow("acos", "-1/sqrt(1 - x**2)", r"\arccos", _POSITIVE, _FALLING),
+    FunctionRow("atan", "1/(1 + x**2)", r"\arctan", sign_kept, _RISING),
+    FunctionRow("sinh", "cosh(x)", r"\sinh", sign_kept, _RISING),
+    FunctionRow("cosh", "sinh(x)", r"\cosh", _POSITIVE, with_operand),
+    FunctionRow("tanh", "1 - tanh(x)**2", r"\tanh", sign_kept, _RISING),
+    FunctionRow("exp", "exp(x)", r"\exp", _POSITIVE, _RISING),
+    FunctionRow("log", "1/x", r"\log", slope=_RISING, minus_infinity="is the logarithm of zero"),
+    FunctionRow("sqrt", "1/(2*sqrt(x))", r"\sqrt", _POSITIVE, _RISING),
+    FunctionRow(
+        "abs", "x/abs(x)", sign=_POSITIVE, slope=with_operand, composed=lambda _, operands: abs(operands[0]), in_abs=1
+    ),
+    FunctionRow(
+        "min", "", sign=_of_min, slope=_RISING, composed=partial(_exact, np.minimum), arguments=_ANY, in_abs=-1
+    ),
+    FunctionRow("max", "", sign=_of_max, slope=_RISING, composed=partial(_exact, np.maximum), arguments=_ANY, in_abs=1),
+)
+
+FUNCTIONS = {row.name: row for row in _ROWS}
+
+
+def smooth_names() -> tuple[str, ...]:
+    """The names of the functions that are consistent as they are."""
+    return tuple(name for name, row in FUNCTIONS.items() if not row.in_abs)
+
+
+def is_inconsistent(symbol: str) -> bool:
+    """Whether an operation is abs, min or max."""
+    return symbol in FUNCTIONS and FUNCTIONS[symbol].in_abs != 0

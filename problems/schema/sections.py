@@ -1,0 +1,158 @@
+"""What a problem file wants, section by section: objective, constraints, initial guess, and how abs becomes smooth."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, GetJsonSchemaHandler, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from ..expressions.expression import Expression
+from ..expressions.smooth import SLACK, SQRT, TANH
+from ..text import brief
+from .declarations import LOWER, UPPER
+from .fields import Entry, Formula, Text, Widths, either_form, mistake
+
+MAX_NAMES = 1000  # in one section
+MAX_KEYFRAMES = 10_000
+
+
+class Terms(Entry):
+    """The objective: an integral over time, a function of the two ends, or the sum of both."""
+
+    integral: Formula | None = Field(None, description="integrand: an expression of t, states, controls, parameters")
+    terminal: Formula | None = Field(None, description="function of the ends, such as t[final] or x[final]**2")
+
+    @model_validator(mode="after")
+    def _some_term(self) -> Self:
+        if self.integral is None and self.terminal is None:
+            raise mistake("the objective is empty", "add integral: or terminal: with an expression")
+        return self
+
+
+class Objective(Entry):
+    """What is to be made small, or large."""
+
+    minimize: Terms | None = Field(None, description="{integral:, terminal:}: at least one of them")
+    maximize: Terms | None = Field(None, description="{integral:, terminal:}: at least one of them")
+
+    @model_validator(mode="after")
+    def _one_sense(self) -> Self:
+        if (self.minimize is None) == (self.maximize is None):
+            what = "neither minimize nor maximize is given" if self.minimize is None else "two objectives are given"
+            raise mistake(what, "give one of minimize: and maximize:")
+        return self
+
+    @property
+    def sense(self) -> str:
+        """The key that is given: "minimize" or "maximize"."""
+        return "maximize" if self.minimize is None else "minimize"
+
+    @property
+    def terms(self) -> Terms:
+        terms = self.minimize or self.maximize
+        assert terms is not None  # as validated
+        return terms
+
+
+class ConstraintEntry(Entry):
+    """lower <= expression <= upper, or expression = equals."""
+
+    name: Text = Field("", description="name in results; default made from the expression")
+    expression: Formula = Field(description="at the boundary of x[initial], x[final], t[final]; else of t, x, u")
+    lower: Formula | None = Field(None, description=LOWER)
+    upper: Formula | None = Field(None, description=UPPER)
+    equals: Formula | None = Field(None, description="the value; instead of lower and upper")
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        bounded = self.lower is not None or self.upper is not None
+        if self.equals is not None and bounded:
+            raise mistake("equals is given together with lower or upper", "keep one of the two forms")
+        if self.equals is None and not bounded:
+            raise mistake("the constraint has no bound", "add lower:, upper: or equals:")
+        return self
+
+
+class Constraints(Entry):
+    """Conditions besides the dynamics and the bounds."""
+
+    path: list[ConstraintEntry] = Field([], max_length=MAX_NAMES, description="conditions that hold at every time")
+    boundary: list[ConstraintEntry] = Field(
+        [], max_length=MAX_NAMES, description="conditions on the values at both ends"
+    )
+    integral: list[ConstraintEntry] = Field(
+        [], max_length=MAX_NAMES, description="conditions on the integral over time of an expression"
+    )
+
+
+class GuessEntry(Entry):
+    """Where the solver starts: `linear`, or constants and keyframes for some names and linear for the others."""
+
+    constants: dict[str, Formula] = Field({}, description="state, control or algebraic variable -> value at every time")
+    keyframes: dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]] = Field(
+        {},
+        description="state, control or algebraic variable -> values; "
+        "time -> their times (optional, first is initial, last is final)",
+    )
+
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        if isinstance(data, str) and data != "linear":
+            remedy = "write linear, {constants: ...} or {keyframes: ...}"
+            raise mistake(f'"{brief(data)}" is not a kind of guess', remedy)
+        return {} if isinstance(data, str) else data
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form({"const": "linear"}, core_schema, handler)
+
+
+class Nonsmooth(Entry):
+    """How abs, min and max become consistent (paper, 5.5 and 8.5-8.6): `slack`, or one of these.
+
+    Neither tanh nor sqrt means slack variables.
+    """
+
+    tanh: Widths | None = Field(
+        None,
+        description="|y| becomes y tanh(y/alpha): alpha > 0 in the unit of y, or a list with one for each mesh entry",
+    )
+    sqrt: Widths | None = Field(
+        None,
+        description="|y| becomes sqrt(y^2 + beta^2): beta > 0 in the unit of y, or a list with one for each mesh entry",
+    )
+
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        remedy = "write slack, {tanh: 0.01} or {sqrt: 0.01}"
+        if isinstance(data, str) and data != SLACK:
+            raise mistake(f'"{brief(data)}" is not a way to treat abs, min and max', remedy)
+        if isinstance(data, dict) and not any(value is not None for value in data.values()):
+            raise mistake("nothing is given here", remedy)
+        return {} if isinstance(data, str) else data
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.tanh is not None and self.sqrt is not None:
+            raise mistake("tanh and sqrt are both given", "keep one of them")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _short_form(self, handler: SerializerFunctionWrapHandler) -> Any:
+        return SLACK if self.treatment == SLACK else handler(self)
+
+    @property
+    def treatment(self) -> str:
+        """ "slack", "tanh" or "sqrt"."""
+        if self.tanh is not None:
+            return TANH
+        return SQRT if self.sqrt is not None else SLACK
+
+    @property
+    def widths(self) -> list[Expression]:
+        """alpha or beta: one, or one for each mesh entry; none for slack."""
+        return self.tanh or self.sqrt or []
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return either_form({"const": SLACK}, core_schema, handler)
