@@ -14,7 +14,7 @@ from .errors import FileError, Mistake, SpecError
 from .schema import messages
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .schema.spec import Spec
-from .text import brief, nearest
+from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, read_document
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
@@ -74,7 +74,7 @@ def load_text(
     if data["mesh"] is chosen and data.get("refine") is None:
         data["refine"] = {}
     locations = Locations(file, document.lines, given)
-    data.setdefault("name", Path(file).stem)
+    data.setdefault("name", printable(Path(file).stem))
     early = _unsafe_options(data.get("solver"), locations)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
@@ -84,7 +84,7 @@ def load_text(
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (check_spec(rest)[0] if rest else []) + early
+        found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
     errors, warnings = check_spec(spec)
     if errors or early:

@@ -20,11 +20,14 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.slips import ExpressionError
+from ..text import unprintable
 from ..yaml.document import in_words, scalar
 
 MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
+
+_BREAKS = "\t\n\r"  # in the notes of a file
 
 
 def mistake(what: str, remedy: str) -> PydanticCustomError:
@@ -66,6 +69,8 @@ def _plain(expression: Expression) -> int | float | str:
 
 
 def _text(value: Any) -> Any:
+    if isinstance(value, str) and (strange := next((c for c in value if unprintable(c) and c not in _BREAKS), None)):
+        raise mistake(f"the text holds the character {strange!a}, which cannot be printed", "remove it")
     return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
