@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from .checks.repair import repair
 from .checks.values import NO_STATES, check_spec
 from .errors import FileError, Mistake, SpecError
 from .schema import messages
+from .schema.fields import STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .schema.spec import Spec
 from .text import brief, nearest, printable
@@ -90,6 +92,22 @@ def load_text(
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def load_stored(text: str, file: str) -> Spec:
+    """The spec that a result holds: full, and checked when it was solved, so its options may be the command line's.
+
+    text: JSON.
+    file: the result, for messages.
+
+    Raises FileError if it is no spec of this version.
+    """
+    try:
+        spec = Spec.model_validate(json.loads(text), context={STORED: True})
+    except ValueError as error:  # of the JSON, or of the schema
+        what = "the problem that it holds cannot be read"
+        raise FileError(Mistake(file, what, "solve the problem anew with this version of trajopt")) from error
+    return spec.attach(text, Locations(file, {}), [])
 
 
 def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from ...problems.build import build
-from ...problems.load import load_text
+from ...problems.load import load_stored
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ...transcription.engines.outcome import Outcome, Status
@@ -67,7 +67,7 @@ def _outcome(file: h5py.File, sense: int) -> Outcome:
 def reload(path: Path) -> Reloaded:
     """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
     with open_result(path) as file:
-        spec = load_text(file["spec/full"].asstr()[()], str(path))
+        spec = load_stored(file["spec/full"].asstr()[()], str(path))
         problem = build(spec)
         mesh = _mesh(file["mesh"][str(len(file["mesh"]) - 1)])
         outcome = _outcome(file, problem.sense)
