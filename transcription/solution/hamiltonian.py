@@ -20,11 +20,13 @@ from dataclasses import dataclass
 import numpy as np
 
 STEPS = 20  # of Newton's method, at most
-RADIUS = 2.0  # longest step, in sizes of the controls: half the distance of the bounds
+RADIUS = 2.0  # longest step of a control between bounds, in sizes of the controls: half the distance of the bounds
+FAR = 100.0  # longest step without bounds; a minimum that STEPS of them do not reach is none
 DIFFERENCE = 1e-4  # of derivatives, in sizes of the controls
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05, 0.01, 2.0])  # of a step that are tried
 SETTLED = 1e-13  # a decrease below this, relative to 1 + |H|, is rounding
 ROUNDS = 8  # of the method of multipliers
+STEADY = 1e-6  # a change of the multipliers below this, relative to the largest, is none
 STIFFNESS = 30.0  # of its penalty, relative to the curvature of the function
 
 Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -98,8 +100,7 @@ def _newton(function: Values, v: np.ndarray, lower, upper) -> tuple[np.ndarray, 
         v[:, rows] = tried[:, best[better], np.flatnonzero(better)]
         value[rows] = lowest[better]
         open_ = open_[decrease > SETTLED * (1 + np.abs(lowest))]
-    unbounded = ~np.isfinite(lower) | ~np.isfinite(upper)
-    found[open_] = ~(unbounded & (np.abs(v[:, open_]) > STEPS * RADIUS / 2)).any(axis=0)
+    found[open_] = (np.abs(v[:, open_]) < FAR * STEPS / 2).all(axis=0)
     return v, value, found
 
 
@@ -107,6 +108,7 @@ def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, up
     """Gradient (n_u, S) and Hessian (S, n_u, n_u) at v by differences whose points are within the bounds."""
     n = len(v)
     d = np.minimum(DIFFERENCE, (upper - lower) / 4)
+    d[d == 0] = DIFFERENCE  # a control with one value only
     centre = np.clip(v, lower + d, upper - d)
     pairs = [(i, j) for i in range(n) for j in range(i)]
     shifts = np.concatenate(
@@ -135,8 +137,9 @@ def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper
     H = np.where(free[:, :, None] & free[:, None, :], hessian, 0.0)
     curvature, axes = np.linalg.eigh(H)
     along = (axes.transpose(0, 2, 1) @ g[..., None])[..., 0]
-    # Curvature that would make the step longer than RADIUS is raised until it does not.
-    raised = np.maximum(np.abs(curvature), np.abs(along) / RADIUS)
+    # Curvature that would make the step too long is raised until it does not.
+    radius = RADIUS if np.isfinite([lower, upper]).all() else FAR
+    raised = np.maximum(np.abs(curvature), np.abs(along) / radius)
     steps = -along / np.where(raised > 0, raised, 1.0)
     return np.where(held, 0.0, (axes @ steps[..., None])[..., 0].T)
 
@@ -160,8 +163,10 @@ def _multipliers(function: Values, v: np.ndarray, lower, upper, c: Constrained, 
         return function(v, samples) + (r * missed(v, samples) ** 2 - own**2 / r).sum(axis=0) / 2
 
     for _ in range(ROUNDS):
-        v, value, found = _newton(augmented, v, lower, upper)
-        nu = rho * missed(v[:, None], samples)[:, 0]
+        v, _, found = _newton(augmented, v, lower, upper)
+        before, nu = nu, rho * missed(v[:, None], samples)[:, 0]
+        if np.abs(nu - before).max(initial=0.0) <= STEADY * np.abs(nu).max(initial=0.0):
+            break
     return v, augmented(v[:, None], samples)[0], found
 
 

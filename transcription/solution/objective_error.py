@@ -1,271 +1,284 @@
-"""draft"""
+"""draft docstring"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Phase, Range
 from ..engines.outcome import Outcome, Status
-from ..layout import Layout, Transcription, bounded_start
+from ..layout import Layout, Transcription
+from ..schemes.mesh import Group
 from ..schemes.runge_kutta import Shooting
 from ..schemes.scheme import FiniteDifference
 from .hamiltonian import Constrained, minimise
 from .implicit import consistent_inputs
+from .multipliers import Density, Measure, Multipliers
 from .trajectory import Trajectory
 
-GAUSS_POINTS = 6
-SAFETY = 1.0
+GAUSS_POINTS = 6  # between neighbouring nodes of a segment
+SAFETY = 2.0
+TOUCHED = 3.0
+INSET = 1e-9  # of a substep, from its ends: constant controls jump there
+DIFFERENCE = 1e-6  # of derivatives by a state, relative to 1 + its size
+
+TERMS = ("quadrature", "dynamics", "control", "constraints")
 
 
 @dataclass(frozen=True)
 class ObjectiveError:
-    correction: float
-    segments: tuple[np.ndarray, ...]
-    terms: Mapping[str, tuple[np.ndarray, ...]]
-    ends: float
-    gap: float
-    barrier: float
-    infeasibility: float
-    bar: float
+    """How far the objective J of a solution is from the optimum J*, as the problem writes it.
+
+    J + correction is the better value, |J - J*| <= bar the claim. segments: for each phase, (N,) what each segment adds
+    to the correction, and shares: (N,) what it adds to the bar. terms: the segments' contributions by kind, see TERMS.
+    gap: of the barrier, the sum of multiplier times slack; what of it acts is in both correction and bar.
+    why_not: why there is no such estimate, or "". Then all numbers are NaN, and there are no segments.
+    """
+
+    correction: float = np.nan
+    bar: float = np.nan
+    gap: float = np.nan
+    segments: tuple[np.ndarray, ...] = ()
+    shares: tuple[np.ndarray, ...] = ()
+    terms: Mapping[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
     why_not: str = ""
 
-
-def objective_error(transcription: Transcription, nlp, outcome: Outcome, trajectories: Sequence[Trajectory]):
-    sense = transcription.problem.sense
-    _, lower, upper = bounded_start(transcription)
-    multipliers = _Multipliers(transcription, nlp, outcome, lower, upper)
-    phases = [_Phase(i, layout, tr, multipliers) for i, (layout, tr) in enumerate(zip(transcription.phases, trajectories))]
-    terms = [p.terms() for p in phases]
-    segs = tuple(sense * sum(t.values()) for t in terms)
-    ends = sense * multipliers.ends()
-    infeas = multipliers.infeasibility()
-    correction = float(sum(s.sum() for s in segs)) + ends
-    bar = SAFETY * float(sum(np.abs(s).sum() for s in segs)) + abs(ends) + infeas
-    found = all(p.found for p in phases)
-    return ObjectiveError(correction, segs, {k: tuple(sense * t[k] for t in terms) for k in terms[0]}, ends,
-        multipliers.gap(), multipliers.barrier, infeas, bar, "" if found else "no minimum")
+    @property
+    def applies(self) -> bool:
+        return not self.why_not
 
 
-class _Multipliers:
-    def __init__(self, transcription, nlp, outcome, lower, upper):
-        self.transcription, self.nlp, self.outcome = transcription, nlp, outcome
-        self.size = 1 + abs(outcome.objective)
-        z = outcome.z
-        self.lower, self.upper = lower, upper
-        with np.errstate(all="ignore"):
-            self.low = np.where(np.isfinite(lower), outcome.z_lower * (z - lower), 0.0)
-            self.high = np.where(np.isfinite(upper), outcome.z_upper * (upper - z), 0.0)
-        g = nlp.constraints_unchecked(z)
-        self.fixed = nlp.cl == nlp.cu
-        self.g = g
-        y = outcome.y
-        side = np.where(y > 0, nlp.cu - g, g - nlp.cl)
-        self.rows = np.where(~self.fixed & np.isfinite(side), np.abs(y) * side, 0.0)
-        self.missed = np.where(self.fixed, y * (g - nlp.cl), 0.0)
-        self.barrier = 0.0
-
-    def gap(self):
-        return float(self.low.sum() + self.high.sum() + self.rows.sum())
-
-    def infeasibility(self):
-        return float(np.abs(self.missed).sum())
-
-    def active(self, z, s, scale, weight):
-        """theta"""
-        nu, s = np.abs(z) * scale / (self.size * weight), np.maximum(s, 0) / scale
-        return np.where(nu + s > 0, nu / np.where(nu + s > 0, nu + s, 1), 1.0)
-
-    def ends(self):
-        t = self.transcription
-        total = 0.0
-        own = [t.parameters]
-        for layout in t.phases:
-            own += [layout.t[layout.t >= 0], layout.x[:, [0, -1]].ravel()]
-        idx = np.concatenate(own); idx = np.unique(idx[idx >= 0])
-        z = self.outcome.z[idx]
-        for mult, bound, sign, prod in ((self.outcome.z_lower[idx], self.lower[idx], 1, self.low[idx]), (self.outcome.z_upper[idx], self.upper[idx], -1, self.high[idx])):
-            ok = np.isfinite(bound)
-            s = sign * (z[ok] - bound[ok])
-            total -= (self.active(mult[ok], s, 1 + np.abs(bound[ok]), 1.0) * prod[ok]).sum()
-        for family in t.families:
-            if family.kind in ("boundary", "integral"):
-                r = family.rows(self.nlp)
-                r = r[~self.fixed[r]]
-                y = self.outcome.y[r]
-                b = np.where(y > 0, self.nlp.cu[r], self.nlp.cl[r])
-                ok = np.isfinite(b)
-                total -= (self.active(y, np.abs(self.g[r] - b), 1 + np.abs(b), 1.0) * self.rows[r])[ok].sum()
-        return float(total + self.missed.sum())
+@np.errstate(all="ignore")
+def objective_error(
+    transcription: Transcription, nlp, outcome: Outcome, trajectories: Sequence[Trajectory]
+) -> ObjectiveError:
+    """The error of the objective of an outcome, from its trajectories with costates (see `costate`)."""
+    if why_not := _why_not(outcome, trajectories):
+        return ObjectiveError(why_not=why_not)
+    multipliers, sense = Multipliers(transcription, nlp, outcome), transcription.problem.sense
+    phases = [_Phase(i, multipliers, trajectory) for i, trajectory in enumerate(trajectories)]
+    found = [phase.terms() for phase in phases]
+    if why_not := next((phase.why_not for phase in phases if phase.why_not), ""):
+        return ObjectiveError(why_not=why_not)
+    terms = {kind: tuple(sense * own.signed[kind] for own in found) for kind in TERMS}
+    segments = tuple(sum(own) for own in zip(*terms.values(), strict=True))
+    shares = tuple(own.shares for own in found)
+    single, missed = multipliers.at_ends, multipliers.missed
+    correction = float(sum(s.sum() for s in segments)) + sense * (single + float(missed.sum()))
+    bar = float(sum(s.sum() for s in shares)) + abs(single) + float(np.abs(missed).sum())
+    if not np.isfinite([correction, bar]).all():
+        return ObjectiveError(why_not="a function of the problem has no finite value between the points")
+    return ObjectiveError(correction, bar, multipliers.gap, segments, shares, terms)
 
 
-class _Probe(dict):
-    def __missing__(self, name):
-        self[name] = np.float64(0.5)
-        return self[name]
+def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:
+    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
+        return "finite differences have no costates"
+    if outcome.status is not Status.SOLVED:
+        return "the point is not optimal"
+    if any(own.costate is None or not np.isfinite(own.costate).all() for own in trajectories):
+        return "there are no finite costates"
+    return ""
 
 
-def _names(function):
-    probe = _Probe()
-    with np.errstate(all="ignore"):
-        function(probe, np)
-    return set(probe)
+@dataclass
+class _Terms:
+    """Contributions of the segments of a phase, (N,): to the minimised objective by kind, and to the bar."""
+
+    signed: dict[str, np.ndarray]
+    shares: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """A group of segments at S Gauss points each, all in one row: t (M,), x, dx and costate (n_x, M), inputs u (n_u, M)
+    with consistent algebraic variables; s: normalised times; weights (segments, S)."""
+
+    t: np.ndarray
+    s: np.ndarray
+    x: np.ndarray
+    dx: np.ndarray
+    costate: np.ndarray
+    u: np.ndarray
+    weights: np.ndarray
+
+    def integral(self, values: np.ndarray) -> np.ndarray:
+        """Of values (M,) over each segment."""
+        return (self.weights * values.reshape(self.weights.shape)).sum(axis=1)
 
 
 class _Phase:
-    def __init__(self, number, layout: Layout, trajectory: Trajectory, multipliers: _Multipliers):
-        self.number, self.layout, self.trajectory, self.multipliers = number, layout, trajectory, multipliers
-        self.phase, self.mesh = layout.phase, layout.mesh
+    """One phase of the Lagrangian, for the minimised objective."""
+
+    def __init__(self, number: int, multipliers: Multipliers, trajectory: Trajectory):
+        self.number, self.multipliers, self.trajectory = number, multipliers, trajectory
+        self.layout: Layout = multipliers.transcription.phases[number]
+        self.phase, self.mesh, self.p = trajectory.phase, trajectory.mesh, trajectory.parameters
+        self.duration = float(trajectory.t[1] - trajectory.t[0])
         self.sense = multipliers.transcription.problem.sense
-        self.T = float(trajectory.t[1] - trajectory.t[0])
-        self.found = True
-        m = multipliers
-        self.integrands = [(self.sense, self.phase.lagrange)] if self.phase.lagrange else []
-        for c in self.phase.integral:
-            (f,) = [f for f in m.transcription.families if (f.phase, f.kind, f.name) == (self.phase.name, "integral", c.name)]
-            self.integrands.append((float(m.outcome.y[f.rows(m.nlp)][0]), c.function))
-        self.inputs = {v.name for v in self.phase.inputs}
         self.n = len(self.phase.controls)
-
-    def families(self, kind, name):
-        return [f for f in self.multipliers.transcription.families if (f.phase, f.kind, f.name) == (self.phase.name, kind, name)]
-
-    def rows_of(self, kind, name):
-        m = self.multipliers
-        fs = self.families(kind, name)
-        if not fs:
-            return np.zeros((3, 0))
-        s = np.concatenate([f.span[:, 0] for f in fs]); y = np.concatenate([m.outcome.y[f.rows(m.nlp)] for f in fs])
-        w = np.concatenate([f.weights for f in fs])
-        o = np.argsort(s)
-        return np.stack([s[o], y[o], w[o]])
+        self.why_not = ""
 
     @cached_property
-    def mixed(self):
-        """(function of names->values, bounds, s, density)"""
-        out = []
-        if not self.n:
-            return out
-        for c in self.phase.path:
-            if _names(c.function) & self.inputs:
-                s, y, w = self.rows_of("path", c.name)
-                out.append((c.function, c.bounds, s, y / (w * self.T)))
-        for v, places in zip(self.phase.algebraic, self.layout.u[self.n:]):
-            if v.bounds != Range():
-                k = np.flatnonzero((places >= 0) & (self.mesh.weights > 0))
-                y = self.multipliers.outcome.z_upper[places[k]] - self.multipliers.outcome.z_lower[places[k]]
-                out.append((lambda values, m, name=v.name: values[name], v.bounds, self.mesh.fractions[k], y / (self.mesh.weights[k] * self.T)))
-        return out
+    def integrands(self) -> list[tuple[float, Any]]:
+        """(multiplier, function) of the integrals in the Lagrangian: the objective's, and the constrained ones."""
+        own = [(self.sense, self.phase.lagrange)] if self.phase.lagrange else []
+        rows = [self.multipliers.of_rows(self.phase, "integral", c.name)[1] for c in self.phase.integral]
+        return own + [(float(y[0]), c.function) for y, c in zip(rows, self.phase.integral, strict=True)]
 
     @cached_property
-    def held(self):
-        """state constraints: (function, bound, s, masses)"""
-        m, out = self.multipliers, []
-        for i, state in enumerate(self.phase.states):
-            if state.bounds == Range():
-                continue
-            places = self.layout.x[i]
-            k = np.flatnonzero(places >= 0)
-            k = k[(k > 0) & (k < len(places) - 1)]
-            s, y, w = self.rows_of("bound", state.name)
-            for z, bound, sign in ((m.outcome.z_lower, state.bounds.lower, -1), (m.outcome.z_upper, state.bounds.upper, 1)):
-                if np.isfinite(bound):
-                    ss = np.concatenate([self.mesh.fractions[k], s]); mass = np.concatenate([sign * z[places[k]], np.where(y * sign > 0, y, 0)])
-                    o = np.argsort(ss)
-                    out.append((lambda v, m, name=state.name: v[name], bound, ss[o], mass[o]))
-        for c in self.phase.path:
-            if self.n and _names(c.function) & self.inputs:
-                continue
-            s, y, w = self.rows_of("path", c.name)
-            if c.bounds.fixed:
-                out.append((c.function, c.bounds.lower, s, y))
-            else:
-                for bound, sign in ((c.bounds.lower, -1), (c.bounds.upper, 1)):
-                    if np.isfinite(bound):
-                        out.append((c.function, bound, s, np.where(y * sign > 0, y, 0)))
-        return out
+    def of_controls(self) -> list[Density]:
+        return self.multipliers.of_controls(self.layout, self.duration)
 
-    def measure(self, function, bound, s, mass):
-        tr = self.trajectory
-        at = tr.at(s)
-        u = consistent_inputs(self.phase, at.t, at.x, at.u, tr.parameters)
-        g = np.broadcast_to(function(self.phase.values(at.t, at.x, u, tr.parameters), np), s.shape)
-        edges = np.concatenate([[0], (s[1:] + s[:-1]) / 2, [1]])
-        hat = np.diff(edges)
-        theta = self.multipliers.active(mass, np.abs(g - bound), 1 + abs(bound), hat)
-        return s, theta * mass / (hat * self.T)
+    @cached_property
+    def of_states(self) -> list[tuple[Measure, np.ndarray, np.ndarray]]:
+        """The measures, with their densities at the points and between them."""
+        tr, found = self.trajectory, []
+        for measure in self.multipliers.of_states(self.layout):
+            at = tr.at(measure.s)
+            g = self._values(measure.function, at.t, at.x, self._inputs(at.t, at.x, at.u))
+            nearest = np.diff(np.concatenate([[0.0], (measure.s[1:] + measure.s[:-1]) / 2, [1.0]]))
+            theta = self.multipliers.acting(measure.mass / nearest, np.abs(g - measure.bound), measure.bound)
+            found.append(
+                (measure, measure.spread(theta, self.duration), measure.between(theta, self.duration))
+            )
+        return found
 
-    def terms(self):
-        N = self.mesh.segments
-        out = {k: np.zeros(N) for k in ("quadrature", "dynamics", "control", "constraints")}
-        held = [(f, b, self.measure(f, b, s, y)) for f, b, s, y in self.held if len(s)]
-        for gi, group in enumerate(self.mesh.groups):
-            self.group(gi, group, held, out)
-        return out
+    # -- functions of the problem ------------------------------------------------------------------------------------
 
-    def own(self, group):
-        tr, seg = self.trajectory, group.segments
-        if isinstance(group.scheme, Shooting):
-            v = self.multipliers.nlp.integrals(self.multipliers.outcome.z)[self.number]
-            return sum((w * v[j, seg] for j, (w, _) in enumerate(self.integrands)), np.zeros(len(seg)))
-        tau, weights = group.scheme.quadrature
-        S = tr.grid(seg, tau)
-        return tr.h[seg] * (self.running(S.t, S.x, S.u) @ weights)
+    def _inputs(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return consistent_inputs(self.phase, t, x, u, self.p)
 
-    def running(self, t, x, u):
-        v = self.phase.values(t, x, u, self.trajectory.parameters)
-        return sum((w * f(v, np) for w, f in self.integrands), np.zeros(np.shape(t)))
+    def _values(self, function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(function(self.phase.values(t, x, u, self.p), np), np.shape(t))
 
-    def group(self, gi, group, held, out):
-        tr, seg, phase, p = self.trajectory, group.segments, self.phase, self.trajectory.parameters
+    def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """The integrands, times their multipliers."""
+        values, total = self.phase.values(t, x, u, self.p), np.zeros(np.shape(t))
+        for multiplier, function in self.integrands:
+            total = total + multiplier * function(values, np)
+        return total
+
+    def _hamiltonian(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, costate: np.ndarray) -> np.ndarray:
+        return self._running(t, x, u) + (costate * self.phase.dynamics(t, x, u, self.p)).sum(axis=0)
+
+    # -- terms -------------------------------------------------------------------------------------------------------
+
+    def terms(self) -> _Terms:
+        terms = _Terms({kind: np.zeros(self.mesh.segments) for kind in TERMS}, np.zeros(self.mesh.segments))
+        for group in self.mesh.groups:
+            samples, here, signed = self._samples(group), group.segments, terms.signed
+            H = self._hamiltonian(samples.t, samples.x, samples.u, samples.costate)
+            running = self._running(samples.t, samples.x, samples.u)
+            signed["quadrature"][here] = samples.integral(running) - self._own_integrals(group)
+            signed["dynamics"][here] = samples.integral(H - running - (samples.costate * samples.dx).sum(axis=0))
+            terms.shares[here] += SAFETY * np.abs(signed["quadrature"][here] + signed["dynamics"][here])
+            signed["control"][here], share = self._control(samples, H)
+            terms.shares[here] += share
+            signed["constraints"][here], share = self._constraints(samples)
+            terms.shares[here] += share
+        return terms
+
+    def _samples(self, group: Group) -> _Samples:
+        tr, sigma = self.trajectory, group.scheme.sigma
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-        sigma = group.scheme.sigma
         width = np.diff(sigma)[:, None]
         tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
-        W = tr.h[seg][:, None] * (width * weights / 2).ravel()
-        S = tr.grid(seg, tau)
-        shape = S.t.shape
-        t, x, dx, lam, ui = S.t.ravel(), *(a.reshape(len(a), -1) for a in (S.x, S.dx, self.sense * S.costate, S.u))
-        u = consistent_inputs(phase, t, x, ui, p)
-        w = self.running(t, x, u)
-        f = phase.dynamics(t, x, u, p)
-        out["quadrature"][seg] = (W * w.reshape(shape)).sum(axis=1) - self.own(group)
-        out["dynamics"][seg] = (W * (lam * (f - dx)).sum(axis=0).reshape(shape)).sum(axis=1)
-        v = phase.values(t, x, u, p)
-        fr = ((t - tr.t[0]) / self.T)
-        for function, bound, (s, nu) in held:
-            g = np.broadcast_to(function(v, np), t.shape)
-            out["constraints"][seg] += (W * (np.interp(fr, s, nu) * (g - bound)).reshape(shape)).sum(axis=1)
-        if self.n:
-            H0 = w + (lam * f).sum(axis=0)
+        sample = tr.grid(group.segments, tau)
+        costate = self.sense * sample.costate
+        if isinstance(group.scheme, Shooting):
+            costate = self._simulated_costate(group, tau)
+        t = sample.t.ravel()
+        x, dx, u, costate = (a.reshape(len(a), -1) for a in (sample.x, sample.dx, sample.u, costate))
+        h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
+        return _Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
 
-            def inputs(c, k):
-                B = c.shape[1]
-                tt = np.broadcast_to(t[k], (B, len(k)))
-                xx = np.broadcast_to(x[:, None, k], (len(x), B, len(k)))
-                if phase.algebraic:
-                    c = np.concatenate([c, np.broadcast_to(u[self.n:, None, k], (len(u) - self.n, B, len(k)))])
-                    c = consistent_inputs(phase, tt, xx, c, p)
-                return tt, xx, c
+    def _own_integrals(self, group: Group) -> np.ndarray:
+        """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
+        tr, m = self.trajectory, self.multipliers
+        if isinstance(group.scheme, Shooting):
+            rows = m.nlp.integrals(m.outcome.z)[self.number][:, group.segments]
+            return np.array([multiplier for multiplier, _ in self.integrands]) @ rows
+        tau, weights = group.scheme.quadrature
+        at = tr.grid(group.segments, tau)
+        return tr.h[group.segments] * (self._running(at.t, at.x, at.u) @ weights)
 
-            def H(c, k):
-                tt, xx, uu = inputs(c, k)
-                with np.errstate(all="ignore"):
-                    return self.running(tt, xx, uu) + (lam[:, None, k] * phase.dynamics(tt, xx, uu, p)).sum(axis=0)
+    def _control(self, samples: _Samples, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the least H over the controls is less than H, over each segment, and its share of the bar."""
+        if not self.n:
+            return np.zeros((2, len(samples.weights)))
+        every, u = np.arange(len(samples.t)), samples.u[: self.n]
 
-            constrained = None
-            if self.mixed:
-                def G(c, k):
-                    tt, xx, uu = inputs(c, k)
-                    with np.errstate(all="ignore"):
-                        vv = phase.values(tt, xx, uu, p)
-                        return np.stack([np.broadcast_to(fn(vv, np), tt.shape) for fn, *_ in self.mixed])
-                constrained = Constrained(G, np.array([b.lower for _, b, *_ in self.mixed]), np.array([b.upper for _, b, *_ in self.mixed]),
-                    np.stack([np.interp(fr, s, nu) for *_, s, nu in self.mixed]))
-            bounds = np.array([[c.bounds.lower, c.bounds.upper] for c in phase.controls]).T
-            best = minimise(H, u[: self.n], bounds, constrained)
-            self.found &= bool(best.found.all())
-            out["control"][seg] = (W * (best.value - H0).reshape(shape)).sum(axis=1)
+        def at(controls: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            shape = controls.shape[1:]
+            t, x = np.broadcast_to(samples.t[k], shape), np.broadcast_to(samples.x[:, None, k], (len(samples.x), *shape))
+            rest = np.broadcast_to(samples.u[self.n :, None, k], (len(samples.u) - self.n, *shape))
+            return t, x, self._inputs(t, x, np.concatenate([controls, rest]))
+
+        def hamiltonian(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
+            return self._hamiltonian(*at(controls, k), samples.costate[:, None, k])
+
+        bounds = np.array([[c.bounds.lower, c.bounds.upper] for c in self.phase.controls]).T
+        least = minimise(hamiltonian, u, bounds, self._constrained(at, samples))
+        if not least.found.all():
+            t = samples.t[np.argmin(least.found)]
+            self.why_not = f"the Hamiltonian has no minimum over the controls at t = {t:.6g}"
+        within = hamiltonian(np.clip(u, bounds[0][:, None], bounds[1][:, None])[:, None], every)[0]
+        share = SAFETY * np.abs(samples.integral(least.value - within)) + samples.integral(np.abs(within - H))
+        return samples.integral(least.value - H), share
+
+    def _constrained(self, at, samples: _Samples) -> Constrained | None:
+        own = self.of_controls
+        if not own:
+            return None
+
+        def values(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
+            point = at(controls, k)
+            return np.stack([self._values(c.function, *point) for c in own])
+
+        lower, upper = np.array([[c.bounds.lower, c.bounds.upper] for c in own]).T
+        return Constrained(values, lower, upper, np.stack([np.interp(samples.s, c.s, c.density) for c in own]))
+
+    def _constraints(self, samples: _Samples) -> tuple[np.ndarray, np.ndarray]:
+        """Multipliers times what the states exceed their constraints by, over each segment; and its share of the bar."""
+        total, share = np.zeros((2, len(samples.weights)))
+        for measure, spread, between in self.of_states:
+            beyond = self._values(measure.function, samples.t, samples.x, samples.u) - measure.bound
+            inside = between[np.searchsorted(measure.s, samples.s)] * beyond
+            total += samples.integral(inside)
+            share += np.abs(samples.integral(np.interp(samples.s, measure.s, spread) * beyond))
+            share += TOUCHED * np.abs(samples.integral(np.maximum(inside, 0.0)))
+        return total, share
+
+    def _simulated_costate(self, group: Group, tau: np.ndarray) -> np.ndarray:
+        """Costates of segments that are simulated, shape (n_x, G, M): on each substep Hermite's cubic of those at its
+        ends and of their slopes, - dL/dx. Without the slopes they would be of a lower order than the states are."""
+        tr, segments = self.trajectory, group.segments
+        ends = group.scheme.sigma[:: group.scheme.stride]
+        width = np.diff(ends)
+        inner = np.stack([ends[:-1] + INSET * width, ends[1:] - INSET * width], axis=1).ravel()
+        at = tr.grid(segments, inner)
+        costate, slope = self.sense * at.costate, self._costate_slopes(at)
+        i = np.clip(np.searchsorted(ends, tau, side="right") - 1, 0, len(width) - 1)
+        a, H = (tau - ends[i]) / width[i], width[i] * tr.h[segments][:, None]
+        first, last = costate[..., 2 * i], costate[..., 2 * i + 1]
+        values = first + a**2 * (3 - 2 * a) * (last - first)
+        return values + H * a * (1 - a) * ((1 - a) * slope[..., 2 * i] - a * slope[..., 2 * i + 1])
+
+    def _costate_slopes(self, at) -> np.ndarray:
+        """- dL/dx by differences, L being H + the constraints over time times their multipliers: (n_x, G, M)."""
+        n = len(at.x)
+        step = DIFFERENCE * (1 + np.abs(at.x).reshape(n, -1).max(axis=1))
+        shape = (2 * n, *at.t.shape)
+        x = at.x[:, None] + (np.concatenate([np.eye(n), -np.eye(n)]).T * step[:, None])[:, :, None, None]
+        t, s = np.broadcast_to(at.t, shape), (at.t - self.trajectory.t[0]) / self.duration
+        u = self._inputs(t, x, np.broadcast_to(at.u[:, None], (len(at.u), *shape)))
+        L = self._hamiltonian(t, x, u, self.sense * at.costate[:, None])
+        for measure, spread, _ in self.of_states:
+            L = L + np.interp(s, measure.s, spread) * self._values(measure.function, t, x, u)
+        for c in self.of_controls:
+            L = L + np.interp(s, c.s, c.density) * self._values(c.function, t, x, u)
+        return (L[n:] - L[:n]) / (2 * step[:, None, None])
