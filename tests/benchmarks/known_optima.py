@@ -12,21 +12,24 @@ from scipy.optimize import brentq, minimize_scalar
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.problems.problem import Problem
+from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
 
 
 @dataclass(frozen=True)
 class Known:
-    """text: of the problem file, or "" for the shipped one of that name with the overrides. segments: of a second-order
-    method on the coarsest mesh."""
+    """text: of the problem file; build: what builds it without one; else it is the shipped one of that name, with the
+    overrides. segments: of a second-order method on the coarsest mesh."""
 
     name: str
     optimum: float
     text: str = ""
     overrides: tuple[str, ...] = ()
     segments: int = 20
+    build: Callable[[], Problem] | None = None
 
     def problem(self) -> Problem:
+        if self.build:
+            return self.build()
         spec = load_text(self.text, f"{self.name}.yaml") if self.text else load(shipped()[self.name], self.overrides)
         return build_all(spec)[-1]
 
@@ -198,17 +201,28 @@ controls: {T: {lower: 0, upper: 3.5}}
 objective: {maximize: {terminal: "h[final]"}}
 guess: {keyframes: {h: [1, 1.01], v: [0.05, 0.05], m: [1, 0.6], T: [1.75, 1.75]}}
 """
-PHASES = """
-phases:
-  - name: first
-    time: {initial: 0, final: 0.75}
-    states: {x: {rate: u, initial: 1, final: 0.9}}
-    controls: {u: {lower: -1, upper: 1}}
-    objective: {integral: x**2 + u**2}
-"""
 
-REFERENCES = {"van_der_pol": 2.8672597, "cartpole": 58.80766752, "rayleigh": 44.80444489, "range": 1.712314875,
-              "goddard": 1.012836917}  # fmt: skip
+
+def _interior_point() -> Problem:
+    """Two phases that meet where their common value is given."""
+
+    def phase(name: str, start: float, end: float, a: float, b: float) -> Phase:
+        guess = Guess(start, end, np.array([0.0, 1.0]), {"x": np.array([a, b]), "u": np.zeros(2)})
+        x = State("x", rate=lambda v, m: v["u"], initial=Range(a, a), final=Range(b, b))
+        u = Variable("u", bounds=Range(-1.0, 1.0))
+        cost = lambda v, m: v["x"] ** 2 + v["u"] ** 2  # noqa: E731
+        return Phase(name, Range(start, start), Range(end, end), (x,), (u,), guess, lagrange=cost)
+
+    return Problem("interior point", 1, (phase("first", 0, 0.75, 1, 0.9), phase("last", 0.75, 1, 0.9, 0.75)))
+
+
+REFERENCES = {  # radau of degree 5, refined to 1e-11, engine to 1e-12, with the correction of `objective_error`
+    "van_der_pol": 2.86726104522,
+    "cartpole": 58.807667458167,
+    "rayleigh": 44.80444490837,
+    "range": 1.712314875075,
+    "goddard": 1.012836918,
+}
 
 KNOWN = (
     Known("block_move_min_force", 12.0, segments=10),
@@ -230,5 +244,6 @@ KNOWN = (
     Known("cartpole", REFERENCES["cartpole"], segments=40),
     _known("rayleigh", REFERENCES["rayleigh"], RAYLEIGH),
     _known("range", REFERENCES["range"], RANGE),
+    Known("interior point, two phases", two_phases(), segments=10, build=_interior_point),
     _known("goddard", REFERENCES["goddard"], GODDARD, 40),
 )

@@ -77,6 +77,8 @@ def objective_error(
 def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:
     if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
         return "finite differences have no costates"
+    if outcome.status is Status.FEASIBLE:
+        return "nothing is left to optimise, and the engine computes no multipliers"
     if outcome.status is not Status.SOLVED:
         return "the point is not optimal"
     if any(own.costate is None or not np.isfinite(own.costate).all() for own in trajectories):
@@ -192,7 +194,7 @@ class _Phase:
         if isinstance(group.scheme, Shooting):
             costate = self._simulated_costate(group, tau)
         t = sample.t.ravel()
-        x, dx, u, costate = (a.reshape(len(a), -1) for a in (sample.x, sample.dx, sample.u, costate))
+        x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
         h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
         return _Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
 
