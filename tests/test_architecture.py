@@ -51,7 +51,9 @@ def imported_modules(path: Path) -> set[str]:
 def room_of(module: str) -> str:
     """The room of a module, or the module itself if it is a door: a file at the top of one of the four packages."""
     parts = module.split(".")
-    return module if module in MODULES and len(parts) == 2 and not (ROOT / Path(*parts)).is_dir() else ".".join(parts[:2])
+    return (
+        module if module in MODULES and len(parts) == 2 and not (ROOT / Path(*parts)).is_dir() else ".".join(parts[:2])
+    )
 
 
 def circle(graph: dict[str, set[str]]) -> list[str]:

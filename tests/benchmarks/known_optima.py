@@ -1,4 +1,4 @@
-"""Problems whose optimum is known: in closed form, or (REFERENCES) from a solve far finer than those of the benchmark."""
+"""Problems whose optimum is known: in closed form, or (REFERENCES) from solves far finer than the benchmark's."""
 
 from __future__ import annotations
 
@@ -186,7 +186,10 @@ objective: {minimize: {integral: (1 + v**2)/2}}
 """
 LANDER = """
 time: {initial: 0, final: {lower: 0.5, upper: 3, guess: 1.5}}
-states: {h: {rate: v, initial: 1, final: 0}, v: {rate: -1 + T/m, initial: -0.783, final: 0}, m: {rate: -T/2.349, initial: 1, lower: 0.1}}
+states:
+  h: {rate: v, initial: 1, final: 0}
+  v: {rate: -1 + T/m, initial: -0.783, final: 0}
+  m: {rate: -T/2.349, initial: 1, lower: 0.1}
 controls: {T: {lower: 0, upper: 1.227}}
 objective: {minimize: {integral: T}}
 guess: {constants: {T: 0.6, m: 0.8}}

@@ -24,10 +24,12 @@ RADIUS = 2.0  # longest step of a control between bounds, in sizes of the contro
 FAR = 100.0  # longest step without bounds; a minimum that STEPS of them do not reach is none
 DIFFERENCE = 1e-4  # of derivatives, in sizes of the controls
 LENGTHS = np.array([1.0, 0.5, 0.2, 0.05, 0.01, 2.0])  # of a step that are tried
+AS_FORESEEN = 1e-3  # a full step that earns what the derivatives promised, this nearly, needs no other after it
+HOLLOW, LEAVING = 1e-4, 0.1  # curvature below minus this is one; how far to go from a stationary point that has it
 SETTLED = 1e-13  # a decrease below this, relative to 1 + |H|, is rounding
 ROUNDS = 8  # of the method of multipliers
-STEADY = 1e-6  # a change of the multipliers below this, relative to the largest, is none
-STIFFNESS = 30.0  # of its penalty, relative to the curvature of the function
+STEADY = 1e-4  # a change of the multipliers below this, relative to the largest, is none
+STIFFNESS = 100.0  # of its penalty, relative to the curvature of the function
 
 Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Controls (n_u, B, S) and the numbers (S,) of the samples they belong to -> values (B, S), or (n_c, B, S)."""
@@ -86,22 +88,30 @@ def _newton(function: Values, v: np.ndarray, lower, upper) -> tuple[np.ndarray, 
     for _ in range(STEPS):
         if not len(open_):
             return v, value, found
-        here = v[:, open_]
+        here, before = v[:, open_], value[open_]
         gradient, hessian = _derivatives(function, here, open_, lower, upper)
-        step = _step(here, gradient, hessian, lower, upper)
-        tried = np.clip(here[:, None] + LENGTHS[:, None] * step[:, None], lower[:, None], upper[:, None])
-        values = function(tried, open_)
-        values[~np.isfinite(values)] = np.inf
-        best = values.argmin(axis=0)
-        lowest = values[best, np.arange(len(open_))]
-        decrease = value[open_] - lowest
-        better = decrease > 0
-        rows = open_[better]
-        v[:, rows] = tried[:, best[better], np.flatnonzero(better)]
-        value[rows] = lowest[better]
-        open_ = open_[decrease > SETTLED * (1 + np.abs(lowest))]
+        step, foreseen = _step(here, gradient, hessian, lower, upper)
+        _move(function, v, value, step, open_, LENGTHS[:1], lower, upper)
+        surprise = ~(np.abs(before - value[open_] - foreseen) <= AS_FORESEEN * foreseen)
+        surprise &= ~(foreseen <= SETTLED * (1 + np.abs(before)))
+        open_, before = open_[surprise], before[surprise]
+        if len(open_):
+            _move(function, v, value, step[:, surprise], open_, LENGTHS[1:], lower, upper, here[:, surprise])
+        open_ = open_[before - value[open_] > SETTLED * (1 + np.abs(before))]
     found[open_] = (np.abs(v[:, open_]) < FAR * STEPS / 2).all(axis=0)
     return v, value, found
+
+
+def _move(function: Values, v, value, step: np.ndarray, samples, lengths, lower, upper, start=None) -> None:
+    """Go the best of some lengths of a step from v, or from `start`, where it is better than v: changes v and value."""
+    start = v[:, samples] if start is None else start
+    tried = np.clip(start[:, None] + lengths[:, None] * step[:, None], lower[:, None], upper[:, None])
+    values = function(tried, samples)
+    values[~np.isfinite(values)] = np.inf
+    best, each = values.argmin(axis=0), np.arange(len(samples))
+    better = values[best, each] < value[samples]
+    v[:, samples[better]] = tried[:, best[better], each[better]]
+    value[samples[better]] = values[best, each][better]
 
 
 def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray]:
@@ -129,8 +139,9 @@ def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, up
     return gradient, hessian
 
 
-def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper) -> np.ndarray:
-    """The Newton step (n_u, S) of the controls that are not held at their bounds, at most RADIUS long."""
+def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray]:
+    """The Newton step (n_u, S) of the controls that are not held at their bounds, at most RADIUS long; and how much the
+    function should fall by it (S,), NaN where a bound or the radius cuts it short."""
     held = ((v <= lower) & (gradient > 0)) | ((v >= upper) & (gradient < 0))
     free = ~held.T
     g = np.where(held, 0.0, gradient).T
@@ -141,7 +152,13 @@ def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper
     radius = RADIUS if np.isfinite([lower, upper]).all() else FAR
     raised = np.maximum(np.abs(curvature), np.abs(along) / radius)
     steps = -along / np.where(raised > 0, raised, 1.0)
-    return np.where(held, 0.0, (axes @ steps[..., None])[..., 0].T)
+    # A maximum or a saddle is left, although it is stationary.
+    hollow = curvature < -HOLLOW * (1 + np.abs(curvature).max(axis=1, keepdims=True))
+    steps = np.where(hollow & (np.abs(steps) < LEAVING), np.where(along > 0, -LEAVING, LEAVING), steps)
+    step = np.where(held, 0.0, (axes @ steps[..., None])[..., 0].T)
+    cut = ((raised > curvature) & (along != 0)).any(axis=1) | hollow.any(axis=1)
+    cut |= ((v + step < lower) | (v + step > upper)).any(axis=0)
+    return step, np.where(cut, np.nan, -(along * steps).sum(axis=1) / 2)
 
 
 def _multipliers(function: Values, v: np.ndarray, lower, upper, c: Constrained, size: np.ndarray):
