@@ -120,7 +120,7 @@ def test_the_gap_is_the_barrier_parameter_times_the_number_of_inequalities():
 
 
 def test_what_the_barrier_leaves_is_in_correction_and_bar():
-    """Minimise x(1) + the integral of u^2 / 10, dx/dt = u, where u or x(1) is at least -1: J = -0.9 but for the barrier."""
+    """Minimise x(1) + the integral of u^2 / 10, dx/dt = u, u or x(1) at least -1: J = -0.9 but for the barrier."""
 
     def problem(bound: float, final: float) -> Problem:
         guess = Guess(0.0, 1.0, np.array([0.0, 1.0]), {"x": np.zeros(2), "u": np.zeros(2)})

@@ -247,6 +247,7 @@ KNOWN = (
     Known("cartpole", REFERENCES["cartpole"], segments=40),
     _known("rayleigh", REFERENCES["rayleigh"], RAYLEIGH),
     _known("range", REFERENCES["range"], RANGE),
+    Known("block_move_min_work", (10 - np.sqrt(80)) ** 2, segments=30),
     Known("interior point, two phases", two_phases(), segments=10, build=_interior_point),
     _known("goddard", REFERENCES["goddard"], GODDARD, 40),
 )

@@ -23,10 +23,11 @@ STEPS = 20  # of Newton's method, at most
 RADIUS = 2.0  # longest step of a control between bounds, in sizes of the controls: half the distance of the bounds
 FAR = 100.0  # longest step without bounds; a minimum that STEPS of them do not reach is none
 DIFFERENCE = 1e-4  # of derivatives, in sizes of the controls
-LENGTHS = np.array([1.0, 0.5, 0.2, 0.05, 0.01, 2.0])  # of a step that are tried
+LENGTHS = np.array([0.5, 0.2, 0.05, 0.01, 2.0])  # of a step, tried where the step itself is not as good as foreseen
 AS_FORESEEN = 1e-3  # a full step that earns what the derivatives promised, this nearly, needs no other after it
 HOLLOW, LEAVING = 1e-4, 0.1  # curvature below minus this is one; how far to go from a stationary point that has it
 SETTLED = 1e-13  # a decrease below this, relative to 1 + |H|, is rounding
+STEPS_A_ROUND = 6  # of Newton's method: the next round goes on from there
 ROUNDS = 8  # of the method of multipliers
 STEADY = 1e-4  # a change of the multipliers below this, relative to the largest, is none
 STIFFNESS = 100.0  # of its penalty, relative to the curvature of the function
@@ -80,38 +81,53 @@ def _sizes(u: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(half) & (half > 0), half, np.where(typical > 0, typical, 1.0))
 
 
-def _newton(function: Values, v: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _newton(
+    function: Values, v: np.ndarray, lower, upper, most: int = STEPS
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Projected Newton from v (n_u, S), in place of which the minimum is given back, with its value and `found`."""
     v = v.copy()
     value = function(v[:, None], np.arange(v.shape[1]))[0]
     found, open_ = np.ones(v.shape[1], bool), np.arange(v.shape[1])
-    for _ in range(STEPS):
+    for _ in range(most):
         if not len(open_):
             return v, value, found
         here, before = v[:, open_], value[open_]
         gradient, hessian = _derivatives(function, here, open_, lower, upper)
         step, foreseen = _step(here, gradient, hessian, lower, upper)
-        _move(function, v, value, step, open_, LENGTHS[:1], lower, upper)
+        _move(function, v, value, here, step[:, None], open_, lower, upper)
         surprise = ~(np.abs(before - value[open_] - foreseen) <= AS_FORESEEN * foreseen)
         surprise &= ~(foreseen <= SETTLED * (1 + np.abs(before)))
         open_, before = open_[surprise], before[surprise]
         if len(open_):
-            _move(function, v, value, step[:, surprise], open_, LENGTHS[1:], lower, upper, here[:, surprise])
+            others = np.concatenate(
+                [LENGTHS[:, None] * step[:, None], _by_one(gradient, hessian, lower, upper)], axis=1
+            )
+            _move(function, v, value, here[:, surprise], others[..., surprise], open_, lower, upper)
         open_ = open_[before - value[open_] > SETTLED * (1 + np.abs(before))]
-    found[open_] = (np.abs(v[:, open_]) < FAR * STEPS / 2).all(axis=0)
+    found[open_] = (np.abs(v[:, open_]) < FAR * most / 2).all(axis=0)
     return v, value, found
 
 
-def _move(function: Values, v, value, step: np.ndarray, samples, lengths, lower, upper, start=None) -> None:
-    """Go the best of some lengths of a step from v, or from `start`, where it is better than v: changes v and value."""
-    start = v[:, samples] if start is None else start
-    tried = np.clip(start[:, None] + lengths[:, None] * step[:, None], lower[:, None], upper[:, None])
+def _move(function: Values, v, value, start: np.ndarray, steps: np.ndarray, samples: np.ndarray, lower, upper) -> None:
+    """Take the best of some steps (n_u, B, S) from `start` where it is better than v: changes v and value."""
+    tried = np.clip(start[:, None] + steps, lower[:, None], upper[:, None])
     values = function(tried, samples)
     values[~np.isfinite(values)] = np.inf
     best, each = values.argmin(axis=0), np.arange(len(samples))
     better = values[best, each] < value[samples]
     v[:, samples[better]] = tried[:, best[better], each[better]]
     value[samples[better]] = values[best, each][better]
+
+
+def _radii(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The longest step of each control, shape (n_u, 1)."""
+    return np.where(np.isfinite(lower) & np.isfinite(upper), RADIUS, FAR)
+
+
+def _by_one(gradient: np.ndarray, hessian: np.ndarray, lower, upper) -> np.ndarray:
+    """Newton steps of one control alone, shape (n_u, n_u, S): where bounds bend the step of all, they still descend."""
+    curvature = np.maximum(np.abs(np.einsum("sii->is", hessian)), np.abs(gradient) / _radii(lower, upper))
+    return np.eye(len(gradient))[:, :, None] * (-gradient / np.where(curvature > 0, curvature, 1.0))
 
 
 def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray]:
@@ -149,13 +165,12 @@ def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper
     curvature, axes = np.linalg.eigh(H)
     along = (axes.transpose(0, 2, 1) @ g[..., None])[..., 0]
     # Curvature that would make the step too long is raised until it does not.
-    radius = RADIUS if np.isfinite([lower, upper]).all() else FAR
-    raised = np.maximum(np.abs(curvature), np.abs(along) / radius)
+    raised = np.maximum(np.abs(curvature), np.abs(along) / _radii(lower, upper).max())
     steps = -along / np.where(raised > 0, raised, 1.0)
     # A maximum or a saddle is left, although it is stationary.
     hollow = curvature < -HOLLOW * (1 + np.abs(curvature).max(axis=1, keepdims=True))
     steps = np.where(hollow & (np.abs(steps) < LEAVING), np.where(along > 0, -LEAVING, LEAVING), steps)
-    step = np.where(held, 0.0, (axes @ steps[..., None])[..., 0].T)
+    step = np.where(held, 0.0, (axes @ steps[..., None])[..., 0].T).clip(-_radii(lower, upper), _radii(lower, upper))
     cut = ((raised > curvature) & (along != 0)).any(axis=1) | hollow.any(axis=1)
     cut |= ((v + step < lower) | (v + step > upper)).any(axis=0)
     return step, np.where(cut, np.nan, -(along * steps).sum(axis=1) / 2)
@@ -180,7 +195,7 @@ def _multipliers(function: Values, v: np.ndarray, lower, upper, c: Constrained, 
         return function(v, samples) + (r * missed(v, samples) ** 2 - own**2 / r).sum(axis=0) / 2
 
     for _ in range(ROUNDS):
-        v, _, found = _newton(augmented, v, lower, upper)
+        v, _, found = _newton(augmented, v, lower, upper, STEPS_A_ROUND)
         before, nu = nu, rho * missed(v[:, None], samples)[:, 0]
         if np.abs(nu - before).max(initial=0.0) <= STEADY * np.abs(nu).max(initial=0.0):
             break
