@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -59,11 +59,13 @@ class PhaseLagrangian:
     """One phase of the Lagrangian, for the minimised objective."""
 
     def __init__(self, number: int, multipliers: Multipliers, trajectory: Trajectory):
-        self.number, self.multipliers, self.trajectory = number, multipliers, trajectory
+        self.number, self.multipliers = number, multipliers
         self.layout: Layout = multipliers.transcription.phases[number]
         self.phase, self.mesh, self.p = trajectory.phase, trajectory.mesh, trajectory.parameters
         self.duration = float(trajectory.t[1] - trajectory.t[0])
         self.sense = multipliers.transcription.problem.sense
+        costate = trajectory.costate + self.sense * multipliers.at_knots(self.layout)
+        self.trajectory = replace(trajectory, costate=costate)
         self.n = len(self.phase.controls)
         self.why_not = ""
 

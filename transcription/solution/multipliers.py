@@ -27,6 +27,7 @@ import numpy as np
 from ...problems.problem import Phase, Range
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription, bounded_start
+from ..schemes.runge_kutta import Shooting
 
 Function = Callable[[Mapping[str, Any], Any], Any]
 
@@ -152,6 +153,25 @@ class Multipliers:
         weights = np.concatenate([f.weights for f in same])
         order = np.argsort(s, kind="stable")
         return s[order], y[order], weights[order]
+
+    def at_knots(self, layout: Layout) -> np.ndarray:
+        """What bounds of states at the knots add to the costates of `costate`, shape (n_x, K + N - 1), at the slots.
+
+        There a bound's multiplier stands between the costates of both sides, whole. Where the bound acts over time, its
+        parts belong to both segments, as those of a path constraint do.
+        """
+        mesh, o = layout.mesh, self.outcome
+        inner = np.arange(1, mesh.segments)
+        starts, ends = mesh.offset[inner], mesh.offset[inner - 1] + mesh.degrees[inner - 1]
+        if isinstance(mesh.schemes[0], Shooting):
+            parts = np.full(len(mesh.slot_points), 0.5)
+        else:
+            parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
+        places = layout.x[:, mesh.knots[inner]]
+        z = np.where(places >= 0, o.z_upper[places] - o.z_lower[places], 0.0)
+        added = np.zeros((len(layout.x), len(mesh.slot_points)))
+        added[:, starts], added[:, ends] = parts[starts] * z, -parts[ends] * z
+        return added
 
     def of_controls(self, layout: Layout, duration: float) -> list[Density]:
         """What bounds the controls beside their own bounds: path constraints, and bounds of algebraic variables."""
