@@ -8,7 +8,7 @@ from benchmarks.known_optima import KNOWN
 from exact import GROWTH_OBJECTIVE, fixed, growth
 from named import problem_named
 
-from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
 from trajopt.transcription.settings import Settings, Step
@@ -91,6 +91,20 @@ def test_the_bar_holds(name, method):
         assert error <= estimate.bar < 300 * max(error, ROUNDING * (1 + abs(own.optimum)))
         assert sum(share.sum() for share in estimate.shares) <= estimate.bar
         assert all(len(s) == segments for s in (*estimate.segments, *estimate.shares))
+
+
+@pytest.mark.parametrize("method", ["trapezoid", "hermite-simpson", "radau", "runge-kutta-4"])
+def test_a_bound_of_a_state_is_as_good_as_a_path_constraint_that_says_the_same(method):
+    """Where it acts over an arc, its multipliers at the knots belong to the segments on both sides."""
+    own = known("speed limit")
+    problem = own.problem()
+    (phase,) = problem.phases
+    x, v = phase.states
+    limit = Constraint("limit", lambda values, m: values["v"], v.bounds)
+    other = replace(phase, states=(x, replace(v, bounds=Range())), path=(limit,))
+    widths = [3, 2, 2, 3, 9, 3, 2, 2, 3]  # a wide segment within the arc
+    bound, path = (estimated(p, method, widths)[1] for p in (problem, replace(problem, phases=(other,))))
+    assert bound.bar < 2 * path.bar
 
 
 def test_maximising_is_minimising_the_negative():

@@ -13,7 +13,7 @@ from ..layout import Layout
 from ..schemes.mesh import Group
 from ..schemes.runge_kutta import Shooting
 from .hamiltonian import Constrained, minimise
-from .implicit import consistent_inputs
+from .implicit import Nearby, consistent_inputs
 from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
 
@@ -158,14 +158,7 @@ class PhaseLagrangian:
             return np.zeros((2, len(samples.weights)))
         every, u = np.arange(len(samples.t)), samples.u[: self.n]
 
-        def at(controls: np.ndarray, k: np.ndarray) -> Point:
-            shape = controls.shape[1:]
-            t, x = (
-                np.broadcast_to(samples.t[k], shape),
-                np.broadcast_to(samples.x[:, None, k], (len(samples.x), *shape)),
-            )
-            rest = np.broadcast_to(samples.u[self.n :, None, k], (len(samples.u) - self.n, *shape))
-            return t, x, self._inputs(t, x, np.concatenate([controls, rest]))
+        at = Nearby(self.phase, samples.t, samples.x, samples.u, self.p).inputs
 
         def hamiltonian(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
             return self._hamiltonian(*at(controls, k), samples.costate[:, None, k])
