@@ -30,13 +30,14 @@ The bar is a sum over the segments, as errors of either sign on different segmen
     + TOUCHED * (what of it exceeds a constraint between two points that both hold it)
     + what the barrier leaves at the ends + residuals of equations + rounding
 
-Measured by tests/benchmarks/error_bar.py, 14 methods on three meshes each of 22 problems with known optima: the
-moduli of what each segment adds to L - J cover 76 % of the errors, as parts cancel there where the errors do not; the
-bar covers 94 % with SAFETY = 1, 99.1 % with 1.5, 99.3 % with 2 and 99.5 % with 3; what is left are coarsest meshes, where
-errors are of third order. Its median over the error is 3.0. An excess over bounds of controls is taken by its modulus,
-as an optimum that is pressed against them uses it with one sign. J + correction is nearer to J* than J in 77 % of the
-cases, by a factor of 16 in the median. It is not where a control or a costate jumps inside a segment (bang-bang controls,
-bounds of states that begin to act): there what is left is of the same order as the error, and the bar holds.
+Measured by tests/benchmarks/error_bar.py, 14 methods on three meshes each of 22 problems with known optima: the moduli
+of what each segment adds to L - J cover 76 % of the errors, as parts cancel there where the errors do not; the bar
+covers 94 % with SAFETY = 1, 99.1 % with 1.5, 99.3 % with 2 and 99.5 % with 3. What is left are coarsest meshes, where
+errors are of third order, and the midpoint rule where jumps of a control make no other difference than the error. The
+median of bar over error is 3.0. An excess over bounds of controls is taken by its modulus, as an optimum that is
+pressed against them uses it with one sign. J + correction is nearer to J* than J in 77 % of the cases, by a factor of
+16 in the median. It is not where a control or a costate jumps inside a segment (bang-bang controls, bounds of states
+that begin to act): there what is left is of the same order as the error, and the bar holds.
 """
 
 from __future__ import annotations
