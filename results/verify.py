@@ -86,7 +86,7 @@ def _simulation(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
         yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, where)
 
 
-class _NoDynamics(ArithmeticError):
+class _NoDynamicsError(ArithmeticError):
     """The dynamics have no finite value where the simulation has come to."""
 
 
@@ -108,12 +108,12 @@ def simulate(trajectory: Trajectory) -> np.ndarray:
             t, x = np.array([t]), x[:, None]
             f = phase.dynamics(t, x, consistent_inputs(phase, t, x, u, p), p)[:, 0]
             if not np.isfinite(f).all():
-                raise _NoDynamics
+                raise _NoDynamicsError
             return f
 
         try:
             step = solve_ivp(rate, (start, end), x[:, segment], method="DOP853", rtol=RTOL, atol=ATOL)
-        except _NoDynamics:  # SciPy would make its steps ever smaller, for ever
+        except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever
             break
         if not step.success or not np.isfinite(step.y[:, -1]).all():
             break

@@ -250,7 +250,7 @@ class _Composer:
 
     def check_event(self, event: yaml.Event, path: Path) -> None:
         self.nodes += 1
-        self.line = event.start_mark.line + 1
+        self.line = _line(event)
         self.check_size(event)
         if len(path) > MAX_LEVELS:
             self.stop(event, *_TOO_DEEP)
