@@ -1,7 +1,9 @@
 """A solution -> one HDF5 file, which h5py, xarray and every netCDF-4 tool can read.
 
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
-                               objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
+                               objective, objective_error (|J - J*| is at most that), objective_corrected,
+                               objective_error_missing (why there is none), sense, created, command,
+                               trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON;
                                attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
@@ -10,7 +12,8 @@
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
-                               relative (segment) and excess (segment) of bounds, what refinement looks at
+                               relative (segment) and excess (segment) of bounds, what refinement looks at;
+                               objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
@@ -129,9 +132,14 @@ def write(
         spec["text"], spec["full"] = spec_text, spec_full
         spec.attrs["overrides"] = _texts(overrides)
         phases = _group(file, "phase")
-        for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
+        for number, (trajectory, error) in enumerate(zip(solution.trajectories, solution.errors, strict=True)):
             group = _group(phases, trajectory.phase.name)
             _write_phase(group, trajectory, error)
+            if solution.objective_error.applies:
+                share, segment = solution.objective_error.shares[number], group["error/segment"]
+                _array(
+                    group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
+                )
             _write_parameters(_group(group, "parameter"), solution.problem, trajectory.parameters)
         meshes = _group(file, "mesh")
         for number, record in enumerate(solution.meshes):
@@ -156,6 +164,9 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
             "remedy": status.remedy,
             "trouble": solution.trouble,
             "objective": solution.objective,
+            "objective_error": solution.objective_error.bar,
+            "objective_corrected": solution.objective + solution.objective_error.correction,
+            "objective_error_missing": solution.objective_error.why_not,
             "sense": "minimize" if solution.problem.sense > 0 else "maximize",
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
             "command": command.encode(
