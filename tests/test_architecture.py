@@ -111,6 +111,13 @@ def test_every_room_is_installed():
     assert listed == ["trajopt." + ".".join(room.relative_to(ROOT).parts) for room in sorted(ROOMS)]
 
 
+@pytest.mark.parametrize("layer", LAYERS)
+def test_types_are_shipped(layer):
+    """Type checkers use the annotations of an installed package only where it says so."""
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    assert "py.typed" in data[f"trajopt.{layer}"] and (ROOT / layer / "py.typed").exists()
+
+
 def prints_or_exits(source: str) -> set[str]:
     """What a source names that prints, ends the process, or reads what is typed, whatever it calls it."""
     nodes = list(ast.walk(ast.parse(source)))
