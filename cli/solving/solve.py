@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...transcription.loading import build_checked, load_all
 from ..errors import NOT_SOLVED, command
-from ..loading import build_checked, load_all
 from ..options import Files, Force, Json, Method, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..signals import Stop
