@@ -140,6 +140,7 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
+    outputs: Mapping[str, Function] = field(default_factory=dict)
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
