@@ -73,18 +73,16 @@ class _Builder:
             lagrange=self.term("integral"),
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
-            outputs=self.outputs({"t", *(v.name for v in (*states, *controls, *algebraic)), *self.symbols.static}),
+            outputs=self.outputs(),
         )
 
-    def outputs(self, known: set[str]) -> dict[str, Function]:
-        """The expressions of the file and the outputs of the model that have a value at every time, as written: abs,
-        min and max in them are these functions themselves.
+    def outputs(self) -> dict[str, Function]:
+        """The expressions of the file and the outputs of the model that have a value at every time, as written.
 
-        known: the names that have a value at every time, and the static parameters.
+        abs, min and max in them are these functions themselves, not what stands for them in the equations.
         """
-        names = (name for name in self.symbols.definitions if name in self.symbols.varying)
-        functions = {name: self.symbols.function(self.symbols.definitions[name]) for name in names}
-        return {name: function for name, function in functions.items() if function.names <= known}
+        definitions = self.symbols.definitions
+        return {name: self.symbols.function(definitions[name]) for name in definitions if name in self.symbols.varying}
 
     def term(self, name: str) -> Expression | None:
         """A term of the objective: "integral" or "terminal"."""

@@ -12,6 +12,7 @@ from ...problems.build import build
 from ...problems.load import load_text
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
+from ...problems.text import short_repr
 from ...transcription.engines.outcome import Outcome, Status
 from ...transcription.layout import Transcription
 from ...transcription.program.compiler import CompiledNLP
@@ -24,6 +25,7 @@ from ...transcription.transcribe import compiled, transcribe
 from .write import open_result
 
 
+@short_repr
 @dataclass(frozen=True)
 class Reloaded:
     """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers.

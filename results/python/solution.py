@@ -108,7 +108,7 @@ class PhaseView(_Named):
         points = Sample(self.trajectory.times, x, u, x, None)
         for name in phase.outputs:
             output = partial(self._output, name)
-            values = np.broadcast_to(output(points), points.t.shape)
+            values: Array = np.broadcast_to(output(points), points.t.shape)
             found[name] = self._function("output", Variable(name), values, output)
         return found
 

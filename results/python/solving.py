@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from ...problems.build import build_all
+from ...problems.problem import Guess
 from ...transcription.loading import located
 from ...transcription.settings import settings_of, steps
 from ...transcription.solution.trajectory import Trajectory
@@ -27,7 +28,7 @@ def solve(
     problem: LoadedProblem,
     *,
     guess: SolutionView | str | Path | None = None,
-    progress: Callable[[int, Mapping[str, float]], object] | None = None,
+    progress: Callable[[int, dict[str, float]], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> SolutionView:
     """Solve a problem on each mesh of its schedule, and on refined ones if it asks for them.
@@ -45,9 +46,10 @@ def solve(
     if not isinstance(problem, LoadedProblem):
         raise TypeError(f"solve takes what trajopt.load gives, not {type(problem).__name__}")
     spec, stages = problem.spec, list(problem.stages)
-    with python_words(), located(spec):
-        schedule, settings = steps(spec.mesh), settings_of(spec)
-        solution = run(stages, schedule, settings, guess=_start(guess, problem), progress=progress, stop=stop)
+    with python_words():
+        start = _start(guess, problem)
+        with located(spec):
+            solution = run(stages, steps(spec.mesh), settings_of(spec), guess=start, progress=progress, stop=stop)
     return SolutionView(
         problem=problem,
         solved=solution.solved,
@@ -85,7 +87,7 @@ def read(path: str | Path) -> SolutionView:
     )
 
 
-def _start(guess: SolutionView | str | Path | None, problem: LoadedProblem) -> list | None:
+def _start(guess: SolutionView | str | Path | None, problem: LoadedProblem) -> list[Guess] | None:
     if guess is None:
         return None
     return guess_from(guess.image if isinstance(guess, SolutionView) else Path(guess), problem.stages[0])

@@ -11,6 +11,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from ...problems.errors import Mistake
+from ...problems.text import short_repr
 from ..program.compiler import CompiledNLP
 from ..program.family import NotFinite
 from ..scaling import Scaling
@@ -51,6 +52,7 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Start:
     """Multipliers to start from, with the signs and shapes of `Outcome`."""
