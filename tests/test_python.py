@@ -23,6 +23,7 @@ states:
 controls: {u: {unit: N, lower: -100, upper: 100}}
 expressions: {power: u*v, twice: 2*m, size: abs(u)}
 objective: {minimize: {integral: u**2, terminal: (k - 3)**2}}
+nonsmooth: slack
 mesh: [{method: hermite-simpson, segments: 8}]
 """
 ALGEBRAIC = """
