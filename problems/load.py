@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,10 @@ from .checks.repair import repair
 from .checks.values import NO_STATES, check_spec
 from .errors import FileError, Mistake, SpecError
 from .schema import messages
+from .schema.fields import STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
 from .schema.spec import Spec
-from .text import brief, nearest
+from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, read_document
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
@@ -74,7 +76,7 @@ def load_text(
     if data["mesh"] is chosen and data.get("refine") is None:
         data["refine"] = {}
     locations = Locations(file, document.lines, given)
-    data.setdefault("name", Path(file).stem)
+    data.setdefault("name", printable(Path(file).stem))
     early = _unsafe_options(data.get("solver"), locations)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
@@ -84,12 +86,28 @@ def load_text(
         spec = Spec.model_validate(data, context={"methods": tuple(methods)})
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (check_spec(rest)[0] if rest else []) + early
+        found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
     errors, warnings = check_spec(spec)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def load_stored(text: str, file: str) -> Spec:
+    """The spec that a result holds: full, and checked when it was solved, so its options may be the command line's.
+
+    text: JSON.
+    file: the result, for messages.
+
+    Raises FileError if it is no spec of this version.
+    """
+    try:
+        spec = Spec.model_validate(json.loads(text), context={STORED: True})
+    except ValueError as error:  # of the JSON, or of the schema
+        what = "the problem that it holds cannot be read"
+        raise FileError(Mistake(file, what, "solve the problem anew with this version of trajopt")) from error
+    return spec.attach(text, Locations(file, {}), [])
 
 
 def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import TypeVar
+from unicodedata import category
 
 T = TypeVar("T")
 
@@ -17,6 +18,16 @@ SAMPLED = 100
 def tidy(text: str) -> str:
     """The text on one line with single spaces (folded YAML scalars carry line breaks)."""
     return " ".join(text.split())
+
+
+def unprintable(character: str) -> bool:
+    """Whether a character steers a terminal or is no text at all: a control character or a lone surrogate."""
+    return category(character) in ("Cc", "Cs")
+
+
+def printable(text: str) -> str:
+    """The text with a space for every white space, and ? for what cannot be printed."""
+    return "".join(" " if c.isspace() else c if c.isprintable() else "?" for c in text)
 
 
 def shorten(text: str, limit: int = 80) -> str:

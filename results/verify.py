@@ -80,9 +80,14 @@ def _simulation(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
     for i, state in enumerate(trajectory.phase.states):
         deviation = np.abs(simulated[i] - stored[i]) / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
-        yield Check(
-            f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, _at(trajectory.knots[k])
-        )
+        where = _at(trajectory.knots[k])
+        if not np.isfinite(deviation[k]):
+            where = f"the simulation fails before {where}: the dynamics have no finite value, or run away"
+        yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, where)
+
+
+class _NoDynamicsError(ArithmeticError):
+    """The dynamics have no finite value where the simulation has come to."""
 
 
 def simulate(trajectory: Trajectory) -> np.ndarray:
@@ -101,9 +106,15 @@ def simulate(trajectory: Trajectory) -> np.ndarray:
         def rate(t, x, which=which, start=start, h=end - start):
             u = trajectory.grid(which, np.array([(t - start) / h])).u[..., 0]
             t, x = np.array([t]), x[:, None]
-            return phase.dynamics(t, x, consistent_inputs(phase, t, x, u, p), p)[:, 0]
+            f = phase.dynamics(t, x, consistent_inputs(phase, t, x, u, p), p)[:, 0]
+            if not np.isfinite(f).all():
+                raise _NoDynamicsError
+            return f
 
-        step = solve_ivp(rate, (start, end), x[:, segment], method="DOP853", rtol=RTOL, atol=ATOL)
+        try:
+            step = solve_ivp(rate, (start, end), x[:, segment], method="DOP853", rtol=RTOL, atol=ATOL)
+        except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever
+            break
         if not step.success or not np.isfinite(step.y[:, -1]).all():
             break
         x[:, segment + 1] = step.y[:, -1]

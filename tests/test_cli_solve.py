@@ -26,9 +26,10 @@ def test_the_table(folder):
     title, *lines = result.stdout.splitlines()
     assert title == "cart-pole swing-up: solved"
     fields = dict(line.split(maxsplit=1) for line in lines)
-    assert list(fields) == ["objective", "error", "mesh", "iterations", "seconds", "file"]
+    assert list(fields) == ["objective", "error", "optimum", "mesh", "iterations", "seconds", "file"]
     assert fields["objective"] == "58.80542547  (minimize); agrees with the reference 58.805425"
     assert fields["error"].startswith("relative 1.38e-03; max eta 1.27e-02, in v2 on segment 11, t = 0.8 to 0.88")
+    assert fields["optimum"] == "58.81 +- 3.3e-01"
     parts = re.fullmatch(r"[\d.]+  \((.*)\)", fields["seconds"])[1]
     names = [part.rsplit(" ", 1)[0] for part in parts.split(", ")]
     assert names == ["build", "differentiate", "compile", "assemble", "evaluate", "linear algebra", "error"]
@@ -178,11 +179,28 @@ def test_the_result_remembers_its_command(monkeypatch):
     assert attributes("my file.h5")["command"] == "trajopt solve shot_put -o 'my file.h5'"
 
 
-def test_names_with_line_breaks_and_escapes_stay_on_one_line():
-    text = broken.GOOD.replace("name: a good file", 'name: "two\\nlines \\e[31mred"')
-    Path("odd.yaml").write_text(text)
-    first = trajopt("solve", "odd.yaml").stdout.splitlines()[0]
-    assert first == "two lines ?[31mred: solved"
+def test_names_with_line_breaks_stay_on_one_line():
+    Path("odd.yaml").write_text(broken.GOOD.replace("name: a good file", 'name: "two\\nlines"'))
+    assert trajopt("solve", "odd.yaml").stdout.splitlines()[0] == "two lines: solved"
+
+
+@pytest.mark.parametrize(
+    ("problem", "says"),
+    [
+        ("pendulum", "no error bar: finite differences have no costates"),
+        ("block_move_min_force", "12.00000000000 +- 1.3e-10"),
+    ],
+)
+def test_the_error_bar_of_the_objective(problem, says):
+    assert f"\noptimum     {says}\n" in trajopt("solve", problem).stdout
+    summary = json.loads(trajopt("show", f"{problem}.h5", "--json").stdout)
+    assert (summary["objective_error"] is None) == bool(summary["objective_error_missing"])
+
+
+def test_a_failed_solve_has_no_error_bar():
+    summary = json.loads(trajopt("solve", "cartpole", "--set", "solver.max_iter=2", "--json").stdout)
+    assert summary["objective_error"] is None and summary["objective_error_missing"] == "the point is not optimal"
+    assert "optimum" not in trajopt("show", "cartpole.h5").stdout
 
 
 def test_a_solve_may_draw_its_result(folder):

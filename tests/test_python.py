@@ -267,6 +267,7 @@ def test_what_a_solution_tells(block):
     assert block.solved and block.status == "solved" and not block.remedy and not block.causes
     assert block.objective == pytest.approx(48.0, abs=1e-6)
     assert block.error.max_eta < 1e-8 and block.error.relative < 1e-8
+    assert abs(block.objective - 48.0) <= block.error.objective < 1e-3
     assert len(block.meshes) == 1 and block.meshes[0].iterations > 0
 
 
@@ -357,7 +358,7 @@ def test_read_gives_what_was_saved(folder, source, overrides):
     assert before.save("a.h5") == folder.joinpath("a.h5").relative_to(folder)
     after = trajopt.read("a.h5")
     for name in ("solved", "status", "message", "remedy", "causes", "objective", "error"):
-        assert getattr(before, name) == getattr(after, name)
+        assert repr(getattr(before, name)) == repr(getattr(after, name))  # nan is nan
     assert list(before) == list(after) and list(before.costate) == list(after.costate)
     first, last = before.time[[0, -1]]
     t = np.linspace(first, last, 101)

@@ -230,3 +230,59 @@ def test_a_control_next_to_its_bound_is_judged_by_the_smaller_of_gradient_and_ro
     assert _natural_residual(gradient, u, Range(-1, 1)) == pytest.approx([1e-4, 0.5, 1e-4, 1e-3, 0.5])
     assert _natural_residual(gradient, u, Range()) == pytest.approx(np.abs(gradient))
     assert _natural_residual(gradient, np.zeros(5), Range(0, 0)) == pytest.approx(0)
+
+
+# A rate has no value beyond some time: the square root or the logarithm of what turns negative, a pole at one end.
+@pytest.mark.parametrize("rate", ["u + sqrt(0.7 - t)", "u + log(0.4 - t)", "u + 0/(t - 0.5)"])
+def test_dynamics_without_a_value_end_in_a_failed_check(tmp_path, rate):
+    """Where the simulation meets NaN, SciPy would make its steps ever smaller."""
+    path = tmp_path / "good.h5"
+    text = GROWTH.replace("RATE", "u")
+    (tmp_path / "a.yaml").write_text(text)
+    assert trajopt("solve", tmp_path / "a.yaml", "-o", path, "-q").exit_code == 0
+    with h5py.File(path, "r+") as file:
+        full = file["spec/full"].asstr()[()]
+        assert '"rate":"u"' in full
+        del file["spec/full"]
+        file["spec/full"] = full.replace('"rate":"u"', f'"rate":"{rate}"')
+    checks = by_name(verify(path))
+    check = checks["simulated x, relative to its range"]
+    assert not check.passed and "no finite value" in check.where
+
+
+GROWTH = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: RATE, initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: trapezoid, segments: 8}]
+"""
+
+
+@pytest.mark.parametrize("setting", ["solver.output_file=told.txt", "solver.hsllib=nothing.so"])
+def test_options_of_the_command_line_only(folder, setting):
+    """A result holds what was solved, and is not read as a file of a user's."""
+    assert trajopt("solve", "cartpole", "--set", setting, "-o", "a.h5", "-q").exit_code == 0
+    assert trajopt("verify", "a.h5").exit_code == 0
+    assert trajopt("plot", "a.h5").exit_code == 0
+
+
+def test_a_name_that_no_file_may_have(folder):
+    """Older versions took control characters."""
+    assert trajopt("solve", "cartpole", "-o", "a.h5", "-q").exit_code == 0
+    with h5py.File("a.h5", "r+") as file:
+        full = file["spec/full"].asstr()[()].replace("cart-pole swing-up", "cart\x7fpole")
+        del file["spec/full"]
+        file["spec/full"] = full
+    assert trajopt("verify", "a.h5").exit_code == 0
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"trajopt": 1}'])
+def test_a_stored_problem_that_is_none(folder, content):
+    assert trajopt("solve", "cartpole", "-o", "a.h5", "-q").exit_code == 0
+    with h5py.File("a.h5", "r+") as file:
+        del file["spec/full"]
+        file["spec/full"] = content
+    run = trajopt("verify", "a.h5")
+    assert run.exit_code == 3 and "error: a.h5: the problem that it holds cannot be read" in run.stderr

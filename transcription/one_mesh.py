@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -14,6 +12,7 @@ import numpy as np
 from ..problems.problem import Problem
 from .engines.outcome import Outcome, Status
 from .layout import bounded_start
+from .program.alone import building
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -90,7 +89,7 @@ def _run(
     problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Origin, watch: Watch
 ) -> tuple[Solution, Solved]:
     clock = [time.perf_counter()]
-    with _no_garbage_collection():
+    with building():
         transcription = transcribe(problem, meshes, start.guess)
         clock.append(time.perf_counter())
         nlp = compiled(transcription)
@@ -113,18 +112,6 @@ def _run(
     record = _record(meshes[0], tolerance, objective, errors, nlp, outcome, seconds)
     solution = Solution(problem, outcome.status, objective, phases, errors, (record,), outcome, violations, trouble)
     return solution, Solved(transcription, nlp, outcome, phases)
-
-
-@contextmanager
-def _no_garbage_collection() -> Iterator[None]:
-    """Building makes a hundred thousand objects and no garbage; looking for some takes a third of its time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def _seconds(clock: Sequence[float], nlp) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -14,6 +15,7 @@ from .one_mesh import Origin, Watch, solve_mesh
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
+from .solution.objective_error import objective_error
 from .solution.solution import Solution
 from .transcribe import refused
 
@@ -66,7 +68,7 @@ def solve(
         if good and not solution.status.usable and solution.status is not Status.INTERRUPTED:
             failed = solution.meshes[-1]
             stopped = f"the next mesh, of {failed.mesh.segments} segments, failed: {failed.status.message}"
-            solution = good
+            solution, solved = good
             break
         history.extend(solution.meshes)
         if not solution.status.usable:
@@ -75,14 +77,19 @@ def solve(
         start = Origin(solution.trajectories, solved)
         after = number + 1 - len(schedule)
         if after >= 0 and settings.refine:
-            good = solution
+            good = solution, solved
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
             exact = min(schedule[-1].tolerance, settings.refine.tolerance)  # what is looser shows in the error
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left)
             steps += more
         if number + 1 == len(steps):
             break
-    return replace(solution, meshes=tuple(history), accept=settings.accept, unmet=unmet, stopped=stopped)
+    began = time.perf_counter()
+    error = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
+    last = history[-1]
+    seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
+    meshes = (*history[:-1], replace(last, seconds=seconds))
+    return replace(solution, meshes=meshes, accept=settings.accept, unmet=unmet, stopped=stopped, objective_error=error)
 
 
 def _refined(

@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 
 import typer
 
+from ...problems.text import printable
+
 ENDLESS = 100_000  # letters: the width of what is no terminal
 WORDS = 12  # letters that a column of words can do with
 
@@ -75,7 +77,7 @@ def print_field(name: str, text: str) -> None:
 
 def one_line(text: str) -> str:
     """The text without line breaks or characters that would steer a terminal."""
-    return "".join(" " if c.isspace() else c if c.isprintable() else "?" for c in text.strip())
+    return printable(text.strip())
 
 
 def plural(count: int, noun: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,6 +25,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "remedy", summary["remedy"]
     yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])
+    if summary["solved"]:
+        yield "optimum", _optimum(summary)
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
@@ -38,6 +41,15 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())
     yield "seconds", f"{total:.3f}  ({parts})"
     yield "file", summary["file"]
+
+
+def _optimum(summary: dict[str, Any]) -> str:
+    """The objective with its error bar, and as many digits as the bar supports."""
+    bar = summary["objective_error"]
+    if bar is None:
+        return f"no error bar: {summary['objective_error_missing']}"
+    decimals = min(max(1 - math.floor(math.log10(bar)), 0), 15)
+    return f"{summary['objective']:.{decimals}f} +- {bar:.1e}"
 
 
 def _reference(summary: dict[str, Any]) -> str:

@@ -38,8 +38,12 @@ _USED = {
 }
 
 
-def check_spec(spec: Spec) -> tuple[list[Finding], list[Finding]]:
-    """Every mistake and every warning that concerns more than one value."""
+def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Finding]]:
+    """Every mistake and every warning that concerns more than one value.
+
+    whole: whether every value is the file's own; else some stand for mistaken ones, and nothing can be computed that
+    needs all of them.
+    """
     if not spec.model and not spec.states:
         return [NO_STATES], []
     checker = _Checker(spec)
@@ -60,9 +64,10 @@ def check_spec(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     checker.guess_names()
     checker.guess_values()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
-    if not (spec.nonsmooth and checker.errors):
+    sound = whole and not checker.errors
+    if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
-    if not checker.errors:
+    if whole and not checker.errors:
         checker.objective()
         checker.constant_constraints()
         checker.unused()

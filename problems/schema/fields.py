@@ -13,6 +13,7 @@ from pydantic import (
     GetJsonSchemaHandler,
     PlainSerializer,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
     model_validator,
 )
@@ -20,11 +21,17 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.slips import ExpressionError
+from ..text import unprintable
 from ..yaml.document import in_words, scalar
 
 MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
+
+STORED = "stored"
+"""Key of the context of validation that says: from a result, so checked when it was solved."""
+
+_BREAKS = "\t\n\r"  # in the notes of a file
 
 
 def mistake(what: str, remedy: str) -> PydanticCustomError:
@@ -65,7 +72,14 @@ def _plain(expression: Expression) -> int | float | str:
     return plain
 
 
-def _text(value: Any) -> Any:
+def _text(value: Any, info: ValidationInfo) -> Any:
+    checked = (info.context or {}).get(STORED)
+    if (
+        not checked
+        and isinstance(value, str)
+        and (strange := next((c for c in value if unprintable(c) and c not in _BREAKS), None))
+    ):
+        raise mistake(f"the text holds the character {strange!a}, which cannot be printed", "remove it")
     return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 

@@ -92,14 +92,24 @@ def read_document(text: str, file: str) -> Document:
 
 
 def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
-    composer = _Composer(yaml.parse(text, Loader=_LOADER), file)
+    composer = _Composer(_told(yaml.parse(text, Loader=_LOADER)), file)
     try:
         data = composer.document()
     except yaml.YAMLError as error:
-        raise SpecError([*composer.mistakes, _explain(error, text, file)]) from error
+        raise SpecError([*composer.mistakes, _explain(error, text, file, composer.line)]) from error
     if composer.mistakes:
         raise SpecError(composer.mistakes)
     return data, composer.lines
+
+
+def _told(events: Iterator[yaml.Event]) -> Iterator[yaml.Event]:
+    """The events, where whatever else the library raises is an error of the text too: its releases differ in that."""
+    try:
+        yield from events
+    except yaml.YAMLError:
+        raise
+    except Exception as error:
+        raise yaml.YAMLError(f"{type(error).__name__}: {error}") from error
 
 
 def value_of(text: str, where: str) -> Any:
@@ -138,14 +148,15 @@ def dotted(path: Path) -> str:
     return ".".join(map(brief, path))
 
 
-def _explain(error: yaml.YAMLError, text: str, file: str) -> Mistake:
+def _explain(error: yaml.YAMLError, text: str, file: str, line_before: int) -> Mistake:
     problem = " ".join(str(getattr(error, "problem", None) or error).split())
     mark, lines = getattr(error, "problem_mark", None), text.splitlines()
     if mark is not None and mark.line >= len(lines):
         # what is missing at the end of the file belongs to what was opened before it
         mark = getattr(error, "context_mark", None) or mark
     if mark is None:
-        return Mistake(file, f"this is not YAML ({problem})", "save the file as plain text")
+        what = f"this is not YAML ({problem})"
+        return Mistake(f"{file}:{line_before}", what, "look at this line and the one after it")
     if "maximum nesting depth" in problem:  # libyaml 0.2.6 reads ahead, and stops itself at some 1000 levels
         return Mistake(f"{file}:{mark.line + 1}", *_TOO_DEEP)
     line = lines[mark.line] if mark.line < len(lines) else ""
@@ -172,6 +183,7 @@ class _Composer:
         self.mistakes: list[Mistake] = []
         self.anchors: dict[str, tuple[Any, int]] = {}
         self.nodes = self.aliases = 0
+        self.line = 1  # of the last value
 
     def document(self) -> Any:
         data, documents = None, 0
@@ -238,6 +250,7 @@ class _Composer:
 
     def check_event(self, event: yaml.Event, path: Path) -> None:
         self.nodes += 1
+        self.line = _line(event)
         self.check_size(event)
         if len(path) > MAX_LEVELS:
             self.stop(event, *_TOO_DEEP)

@@ -109,10 +109,11 @@ class Result:
 
         from ...problems.build import build
         from ...problems.names.symbols import Symbols
+        from ...problems.schema.fields import STORED
         from ...problems.schema.spec import Spec
 
         try:
-            spec = Spec.model_validate(self.spec)
+            spec = Spec.model_validate(self.spec, context={STORED: True})
             problem, numbers = build(spec), Symbols(spec).numbers
         except (ValidationError, SpecError) as error:
             what = "the problem in it cannot be read by this version of trajopt"

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from ...problems.build import build
-from ...problems.load import load_text
+from ...problems.load import load_stored
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ...problems.text import short_repr
@@ -84,7 +84,7 @@ def _outcome(file: h5py.File, sense: int) -> Outcome:
 def reload(path: Path) -> Reloaded:
     """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
     with open_result(path) as file:
-        spec = load_text(file["spec/full"].asstr()[()], str(path))
+        spec = load_stored(file["spec/full"].asstr()[()], str(path))
         problem = build(spec)
         records = tuple(_record(file["mesh"][str(number)]) for number in range(len(file["mesh"])))
         outcome = _outcome(file, problem.sense)

@@ -32,6 +32,9 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "problem", "status", "solved", "message", "remedy", "trouble", "objective", "sense",
         "created", "command", "trajopt_version", "pyomo_version", "ipopt_version",
     )}  # fmt: skip
+    # Results of older versions have no error bar.
+    head |= {key: file.attrs.get(key, np.nan) for key in ("objective_error", "objective_corrected")}
+    head["objective_error_missing"] = file.attrs.get("objective_error_missing", "an older version wrote this result")
     solver = file["solver"].attrs
     seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
     meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]

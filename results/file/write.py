@@ -1,7 +1,9 @@
 """A solution -> one HDF5 file, which h5py, xarray and every netCDF-4 tool can read.
 
     /                          attributes: format, format_version, problem, status, solved, message, remedy, trouble,
-                               objective, sense, created, command, trajopt_version, pyomo_version, ipopt_version
+                               objective, objective_error (|J - J*| is at most that), objective_corrected,
+                               objective_error_missing (why there is none), sense, created, command,
+                               trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON;
                                attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
@@ -10,7 +12,8 @@
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
-                               relative (segment) and excess (segment) of bounds, what refinement looks at
+                               relative (segment) and excess (segment) of bounds, what refinement looks at;
+                               objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
                                attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
@@ -37,6 +40,7 @@ from io import BytesIO
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -145,15 +149,21 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
 
     HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
     """
-    with h5py.File("image.h5", "w", driver="core", backing_store=False, track_order=True) as file:
+    name = uuid4().hex  # HDF5 refuses two files in memory of one name, as of two threads
+    with h5py.File(name, "w", driver="core", backing_store=False, track_order=True) as file:
         _write_head(file, solution, command)
         spec = _group(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
         spec.attrs["overrides"] = _texts(overrides)
         phases = _group(file, "phase")
-        for trajectory, error in zip(solution.trajectories, solution.errors, strict=True):
+        for number, (trajectory, error) in enumerate(zip(solution.trajectories, solution.errors, strict=True)):
             group = _group(phases, trajectory.phase.name)
             _write_phase(group, trajectory, error)
+            if solution.objective_error.applies:
+                share, segment = solution.objective_error.shares[number], group["error/segment"]
+                _array(
+                    group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
+                )
             _write_parameters(_group(group, "parameter"), solution.problem, trajectory.parameters)
         meshes = _group(file, "mesh")
         for number, record in enumerate(solution.meshes):
@@ -177,6 +187,9 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
             "remedy": status.remedy,
             "trouble": solution.trouble,
             "objective": solution.objective,
+            "objective_error": solution.objective_error.bar,
+            "objective_corrected": solution.objective + solution.objective_error.correction,
+            "objective_error_missing": solution.objective_error.why_not,
             "sense": "minimize" if solution.problem.sense > 0 else "maximize",
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
             "command": command.encode(

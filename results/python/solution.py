@@ -22,14 +22,16 @@ from .time_function import Array, TimeFunction
 
 
 class ErrorEstimate(NamedTuple):
-    """The error of the dynamics between the points of the last mesh (paper, section 5.3).
+    """The error of a solution, as it was measured on the last mesh.
 
-    max_eta: the largest integral of |dx/dt - f| over a segment, in the unit of the state.
+    max_eta: the largest integral of |dx/dt - f| over a segment, in the unit of the state (paper, section 5.3).
     relative: the largest one relative to 1 + the size of the state, or the error of an integral if that is larger.
+    objective: the objective is at most this far from the optimum; NaN where that cannot be told.
     """
 
     max_eta: float
     relative: float
+    objective: float
 
 
 class _Named(Mapping[str, Any]):
@@ -173,6 +175,7 @@ class SolutionView(_Named):
     causes: why it is not solved, as far as is known; sentences, the most telling one first.
     objective: as the problem file writes it.
     meshes: how the solve on each mesh went, in turn.
+    error: of the last mesh.
     phases: name -> phase.
     """
 
@@ -183,14 +186,10 @@ class SolutionView(_Named):
     remedy: str
     causes: tuple[str, ...]
     objective: float
+    error: ErrorEstimate
     meshes: tuple[MeshRecord, ...]
     phases: Mapping[str, PhaseView]
     _make_image: Callable[[], bytes]
-
-    @property
-    def error(self) -> ErrorEstimate:
-        """The error of the last mesh."""
-        return ErrorEstimate(self.meshes[-1].max_eta, self.meshes[-1].relative_error)
 
     @property
     def time(self) -> Array:

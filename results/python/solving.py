@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import nan
 from pathlib import Path
 
 from ...problems.build import build_all
 from ...problems.problem import Guess
 from ...transcription.loading import located
 from ...transcription.settings import settings_of, steps
+from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory
 from ...transcription.solve import solve as run
 from ..file.guess import guess_from
@@ -18,7 +20,7 @@ from ..file.summary import causes, summarize
 from ..file.write import image_of
 from .messages import python_words, remedy_in_python
 from .problem import LoadedProblem
-from .solution import PhaseView, SolutionView
+from .solution import ErrorEstimate, PhaseView, SolutionView
 
 COMMAND = "trajopt.solve(...)"
 """What a result file tells as the command."""
@@ -58,6 +60,7 @@ def solve(
         remedy=remedy_in_python(solution.status.remedy),
         causes=tuple(causes(solution.trouble, solution.violations)),
         objective=solution.objective,
+        error=_error(solution.meshes, solution.objective_error.bar),
         meshes=solution.meshes,
         phases=_phases(solution.trajectories),
         _make_image=partial(image_of, solution, spec.text, spec.model_dump_json(), COMMAND, spec.overrides),
@@ -68,11 +71,12 @@ def read(path: str | Path) -> SolutionView:
     """Read a result file, written by `save` or by the command line.
 
     It gives what `solve` gave: the same numbers, and functions of time by the same interpolants. Raises FileError if
-    it cannot be read or is no result, SpecError if this version of trajopt cannot read the problem in it.
+    it cannot be read, is no result, or holds a problem that this version of trajopt cannot read.
     """
     source = Path(path)
     with python_words():
         again, summary = reload(source), summarize(source)
+    bar = summary["objective_error"]
     return SolutionView(
         problem=LoadedProblem(again.spec, tuple(build_all(again.spec))),
         solved=again.solved,
@@ -81,10 +85,15 @@ def read(path: str | Path) -> SolutionView:
         remedy=remedy_in_python(summary["remedy"]),
         causes=tuple(causes(summary["trouble"], summary["violations"])),
         objective=again.objective,
+        error=_error(again.records, nan if bar is None else bar),
         meshes=again.records,
         phases=_phases(again.trajectories),
         _make_image=partial(bytes, source.read_bytes()),
     )
+
+
+def _error(meshes: Sequence[MeshRecord], objective: float) -> ErrorEstimate:
+    return ErrorEstimate(meshes[-1].max_eta, meshes[-1].relative_error, objective)
 
 
 def _start(guess: SolutionView | str | Path | None, problem: LoadedProblem) -> list[Guess] | None:

@@ -9,11 +9,14 @@ from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .good import GOOD, IMPLICIT
-from .methods import CONSISTENT, SOLVERS
+from .methods import CONSISTENT, RANGES, SOLVERS
 from .text import FILES
-from .values import KEYS, NUMBERS
+from .values import KEYS, NUMBERS, STRANGE
 
 __all__ = ["CASES", "GOOD", "IMPLICIT", "METHODS", "Case", "write"]
 
 METHODS = tuple(schemes.METHODS)
-CASES = [*DYNAMICS, *MODELS, *CONSISTENT, *SOLVERS, *FILES, *KEYS, *NUMBERS, *NAMES, *EXPRESSIONS, *OVERRIDES]
+CASES = [
+    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES),
+]

@@ -97,6 +97,13 @@ KEYS = [
     edit("the option tol", "max_iter: 100", "tol: 1e-6", "solver.tol", "tolerance: in each entry of mesh:"),
 ]
 
+STRANGE = [
+    edit("NUL in a name", "a good file", '"a\\0b"', "name", r"the character '\x00', which cannot be printed"),
+    edit("NUL in a unit", "{unit: N,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
+    edit("an escape", "{unit: N,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
+    edit("DEL in a note", "{unit: N,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
+]
+
 NUMBERS = [
     edit("NaN", "u_max: 5", "u_max: .nan", "parameters.u_max", "write a finite number"),
     edit("an infinite parameter", "u_max: 5", "u_max: 1e400", "parameters.u_max", "write a finite number"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,6 +13,7 @@ import numpy as np
 
 from ...problems.errors import Mistake
 from ...problems.text import short_repr
+from ..program.alone import LOCK
 from ..program.compiler import CompiledNLP
 from ..program.family import NotFinite
 from ..scaling import Scaling
@@ -175,14 +177,15 @@ def _cyipopt():
     cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
     makes an import fail at once, which cyipopt treats as "SciPy is not installed".
     """
-    if "cyipopt" not in sys.modules and "scipy" not in sys.modules:
-        sys.modules["scipy"] = None
-        try:
-            import cyipopt
-        finally:
-            del sys.modules["scipy"]
-    import cyipopt
-
+    with LOCK:
+        alone = threading.active_count() == 1  # another thread may be importing SciPy for itself
+        if alone and "cyipopt" not in sys.modules and "scipy" not in sys.modules:
+            sys.modules["scipy"] = None
+            try:
+                import cyipopt
+            finally:
+                del sys.modules["scipy"]
+        import cyipopt
     return cyipopt
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import builtins
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -17,7 +19,23 @@ from pyomo.core.expr.template_expr import (
     NPV_Numeric_GetItemExpression,
     Numeric_GetItemExpression,
     TemplateSumExpression,
+    _template_iter_context,
 )
+
+from .alone import LOCK
+
+_SUM, _OF_PYOMO = builtins.sum, _template_iter_context.sum_template
+_THREAD = threading.local()  # `templated` is true in the one that makes templates
+
+
+def _sum(context: _template_iter_context, *args: Any, **kwargs: Any) -> Any:
+    """The `sum` of the whole process while Pyomo makes a template: Pyomo's own for the builder, Python's for others."""
+    if getattr(_THREAD, "templated", False):
+        return _OF_PYOMO(context, *args, **kwargs)
+    return _SUM(*args, **kwargs)
+
+
+_template_iter_context.sum_template = _sum
 
 
 class TemplateError(RuntimeError):
@@ -28,16 +46,19 @@ class TemplateError(RuntimeError):
 def templated() -> Iterator[None]:
     """While this is open, Pyomo calls each rule once, with an index placeholder, and keeps the one expression.
 
-    The two switches are private to Pyomo (not documented, off by default), hence the narrow version range of Pyomo in
-    pyproject.toml. A rule must neither loop over a Set nor branch on its index: Pyomo would silently write one
-    expression an index, which `template_of` refuses.
+    The two switches are private to Pyomo (not documented, off by default), and so is the `sum` that it puts in place of
+    Python's for all threads; hence the narrow version range of Pyomo in pyproject.toml. A rule must neither loop over a
+    Set nor branch on its index: Pyomo would silently write one expression an index, which `template_of` refuses.
     """
-    before = pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES
-    pyomo_constraint.TEMPLATIZE_CONSTRAINTS = pyomo_objective.TEMPLATIZE_OBJECTIVES = True
-    try:
-        yield
-    finally:
-        pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES = before
+    with LOCK:
+        _THREAD.templated = True
+        before = pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES
+        pyomo_constraint.TEMPLATIZE_CONSTRAINTS = pyomo_objective.TEMPLATIZE_OBJECTIVES = True
+        try:
+            yield
+        finally:
+            _THREAD.templated = False
+            pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES = before
 
 
 def item(component, *index):

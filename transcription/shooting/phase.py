@@ -111,6 +111,13 @@ class PhaseProgram:
         integral = sum(float(s.x[:, -1, self.n].sum()) for s in self.groups) if self.has_cost else 0.0
         return integral + (float(self.ends.values()[-1]) if self.phase.mayer else 0.0)
 
+    def integrals(self) -> np.ndarray:
+        """The integral of the objective, if it has one, and the constrained ones on each segment, (integrals, N)."""
+        totals = np.empty((self.has_cost + len(self.phase.integral), self.layout.mesh.segments))
+        for s, group in zip(self.groups, self.layout.mesh.groups, strict=True):
+            totals[:, group.segments] = s.x[:, -1, self.n :].T
+        return totals
+
     def constraints(self, g: np.ndarray) -> None:
         rows, n, groups = self.rows, self.n, self.layout.mesh.groups
         for s, group, defects, path, bounds in zip(

@@ -130,6 +130,11 @@ class ShootingNLP:
         self._move(outcome.z)
         return [self.sense * phase.costate(outcome.y, self.sense) for phase in self._phases]
 
+    def integrals(self, z: np.ndarray) -> list[np.ndarray]:
+        """The objective's integral and the constrained ones on each segment, for each phase: shape (integrals, N)."""
+        self._move(z)
+        return [phase.integrals() for phase in self._phases]
+
 
 class _Places:
     """Where the entries of blocks of derivatives stand, without those that are none."""

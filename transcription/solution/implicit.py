@@ -14,6 +14,7 @@ import numpy as np
 from ...problems.problem import Phase
 
 MAX_STEPS = 20
+CHORD_STEPS = 4
 TOLERANCE = 1e-12  # of a Newton step, relative to 1 + |z|
 COMPLEX_STEP = 1e-30  # any tiny number: the derivative has no subtraction in it
 
@@ -38,20 +39,70 @@ def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray,
     return u.reshape(-1, *shape)
 
 
-def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
-    """-(dr/dz)^-1 r at every time, shape (n_z, M); derivatives by the complex step, exact to rounding.
+class Nearby:
+    """`consistent_inputs` of many controls at M times and states: t (M,), x (n_x, M), and consistent u (n_u, M) there.
 
-    All shifted inputs are evaluated at once: one row for each algebraic variable, and the unshifted one.
+    dr/dz is inverted once, at u, and serves for all by the chord method; where that does not settle, Newton's does it.
     """
-    n, size = len(phase.controls), len(phase.algebraic)
-    shifts = np.zeros((len(u), size + 1, 1), complex)
-    shifts[n + np.arange(size), np.arange(size)] = COMPLEX_STEP * 1j
-    values = phase.arguments(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
-    rows = [np.broadcast_to(r.function(values, np), (size + 1, len(t))) for r in phase.residuals]
-    residual = np.stack([row[-1].real for row in rows])
-    jacobian = np.stack([row[:-1].imag for row in rows]).transpose(2, 0, 1) / COMPLEX_STEP
-    singular = ~(np.abs(np.linalg.det(jacobian)) > 0)
-    jacobian[singular] = np.eye(size)
+
+    def __init__(self, phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]):
+        self.phase, self.t, self.x, self.u, self.p = phase, t, x, u, p
+        n = len(phase.controls)
+        if phase.algebraic:
+            _, jacobian = _residuals(phase, t, x, u, p, np.arange(len(u)))
+            self.inverse = _inverse(jacobian[..., n:].copy())
+            self.slope = -self.inverse @ jacobian[..., :n]
+
+    def inputs(self, controls: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """t (B, S), x (n_x, B, S) and consistent inputs (n_u, B, S) for B controls (n, B, S) at the samples k (S,)."""
+        n, shape = len(controls), controls.shape[1:]
+        t, x = np.broadcast_to(self.t[k], shape), np.broadcast_to(self.x[:, None, k], (len(self.x), *shape))
+        if not self.phase.algebraic:
+            return t, x, controls
+        z = self.u[n:, None, k] + np.einsum("szc,cbs->zbs", self.slope[k], controls - self.u[:n, None, k])
+        for _ in range(CHORD_STEPS):
+            values = self.phase.arguments(t, x, np.concatenate([controls, z]), self.p)
+            r = np.stack([np.broadcast_to(own.function(values, np), shape) for own in self.phase.residuals])
+            step = -np.einsum("szr,rbs->zbs", self.inverse[k], r)
+            z = z + step
+            if (np.abs(step) <= TOLERANCE * (1 + np.abs(z))).all():
+                return t, x, np.concatenate([controls, z])
+        return t, x, consistent_inputs(self.phase, t, x, np.concatenate([controls, z]), self.p)
+
+
+def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
+    """-(dr/dz)^-1 r at every time, shape (n_z, M)."""
+    residual, jacobian = _residuals(phase, t, x, u, p, np.arange(len(phase.controls), len(u)))
+    singular = _replace_singular(jacobian)
     step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
     step[:, singular] = np.nan
     return step
+
+
+def _residuals(phase: Phase, t, x, u, p, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """r (n_z, M), and its derivatives by some rows of u (M, n_z, rows), by the complex step: exact to rounding.
+
+    All shifted inputs are evaluated at once: one row for each shift, and the unshifted one.
+    """
+    size = len(rows)
+    shifts = np.zeros((len(u), size + 1, 1), complex)
+    shifts[rows, np.arange(size)] = COMPLEX_STEP * 1j
+    values = phase.arguments(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
+    found = [np.broadcast_to(r.function(values, np), (size + 1, len(t))) for r in phase.residuals]
+    residual = np.stack([row[-1].real for row in found])
+    return residual, np.stack([row[:-1].imag for row in found]).transpose(2, 0, 1) / COMPLEX_STEP
+
+
+def _inverse(jacobian: np.ndarray) -> np.ndarray:
+    """Inverses of matrices (M, n, n), which it may change; NaN for those that have none."""
+    singular = _replace_singular(jacobian)
+    inverse = np.linalg.inv(jacobian)
+    inverse[singular] = np.nan
+    return inverse
+
+
+def _replace_singular(jacobian: np.ndarray) -> np.ndarray:
+    """Put the unit matrix in place of the singular ones of (M, n, n); returns which they are, (M,)."""
+    singular = ~(np.abs(np.linalg.det(jacobian)) > 0)
+    jacobian[singular] = np.eye(jacobian.shape[-1])
+    return singular

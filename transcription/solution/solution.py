@@ -11,7 +11,10 @@ from ..engines.outcome import Outcome, Status
 from ..schemes.mesh import Mesh
 from .diagnose import Violation
 from .error import ErrorProfile
+from .objective_error import ObjectiveError
 from .trajectory import Trajectory
+
+NOT_MEASURED = ObjectiveError(why_not="this mesh is not the last")
 
 
 @short_repr
@@ -37,7 +40,8 @@ class Solution:
     """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.
 
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
-    the last of the history is not in it, if refinement ended because that was not solved.
+    the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
+    objective is from the optimum.
     """
 
     problem: Problem
@@ -52,6 +56,7 @@ class Solution:
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
     stopped: str = ""
+    objective_error: ObjectiveError = NOT_MEASURED
 
     @property
     def solved(self) -> bool:

@@ -1,0 +1,228 @@
+"""The Lagrangian of one phase of the continuous problem at a solution, segment by segment (see `objective_error`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...problems.text import short_repr
+from ..layout import Layout
+from ..schemes.mesh import Group
+from ..schemes.runge_kutta import Shooting
+from .hamiltonian import Constrained, minimise
+from .implicit import Nearby, consistent_inputs
+from .multipliers import Density, Measure, Multipliers
+from .trajectory import Sample, Trajectory
+
+GAUSS_POINTS = 4  # between neighbouring nodes of a segment; 6 change the bar by 1 %
+SAFETY = 2.0
+TOUCHED = 3.0  # an instant between two points exceeds by up to 3 times what the mean over their interval says
+INSET = 1e-9  # of a substep, from its ends: constant controls jump there
+DIFFERENCE = 1e-6  # of derivatives by a state, relative to 1 + its size
+
+TERMS = ("quadrature", "dynamics", "control", "constraints")
+
+Point = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""t, x and inputs u at some samples."""
+
+
+@short_repr
+@dataclass
+class Terms:
+    """Contributions of the segments of a phase, (N,): to the minimised objective by kind, and to the bar."""
+
+    signed: dict[str, np.ndarray]
+    shares: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """A group of segments at S Gauss points each, all in one row: t (M,), x, dx and costate (n_x, M), inputs u (n_u, M)
+    with consistent algebraic variables; s: normalised times; weights (segments, S)."""
+
+    t: np.ndarray
+    s: np.ndarray
+    x: np.ndarray
+    dx: np.ndarray
+    costate: np.ndarray
+    u: np.ndarray
+    weights: np.ndarray
+
+    def integral(self, values: np.ndarray) -> np.ndarray:
+        """Of values (M,) over each segment."""
+        return (self.weights * values.reshape(self.weights.shape)).sum(axis=1)
+
+
+class PhaseLagrangian:
+    """One phase of the Lagrangian, for the minimised objective."""
+
+    def __init__(self, number: int, multipliers: Multipliers, trajectory: Trajectory):
+        self.number, self.multipliers = number, multipliers
+        self.layout: Layout = multipliers.transcription.phases[number]
+        self.phase, self.mesh, self.p = trajectory.phase, trajectory.mesh, trajectory.parameters
+        self.duration = float(trajectory.t[1] - trajectory.t[0])
+        self.sense = multipliers.transcription.problem.sense
+        costate = trajectory.costate + self.sense * multipliers.at_knots(self.layout)
+        self.trajectory = replace(trajectory, costate=costate)
+        self.n = len(self.phase.controls)
+        self.why_not = ""
+
+    @cached_property
+    def integrands(self) -> list[tuple[float, Any]]:
+        """(multiplier, function) of the integrals in the Lagrangian: the objective's, and the constrained ones."""
+        own = [(self.sense, self.phase.lagrange)] if self.phase.lagrange else []
+        rows = [self.multipliers.of_rows(self.phase, "integral", c.name)[1] for c in self.phase.integral]
+        return own + [(float(y[0]), c.function) for y, c in zip(rows, self.phase.integral, strict=True)]
+
+    @cached_property
+    def of_controls(self) -> list[Density]:
+        return self.multipliers.of_controls(self.layout, self.duration)
+
+    @cached_property
+    def of_states(self) -> list[tuple[Measure, np.ndarray, np.ndarray]]:
+        """The measures, with their densities at the points and between them."""
+        tr, found = self.trajectory, []
+        for measure in self.multipliers.of_states(self.layout):
+            at = tr.at(measure.s)
+            u = at.u if self.n else self._inputs(at.t, at.x, at.u)  # with controls, what asks for inputs is no measure
+            g = self._values(measure.function, at.t, at.x, u)
+            nearest = np.diff(np.concatenate([[0.0], (measure.s[1:] + measure.s[:-1]) / 2, [1.0]]))
+            theta = self.multipliers.acting(measure.mass / nearest, np.abs(g - measure.bound), measure.bound)
+            found.append((measure, measure.spread(theta, self.duration), measure.between(theta, self.duration)))
+        return found
+
+    # -- functions of the problem ------------------------------------------------------------------------------------
+
+    def _inputs(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return consistent_inputs(self.phase, t, x, u, self.p)
+
+    def _values(self, function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(function(self.phase.arguments(t, x, u, self.p), np), np.shape(t))
+
+    def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """The integrands, times their multipliers."""
+        values, total = self.phase.arguments(t, x, u, self.p), np.zeros(np.shape(t))
+        for multiplier, function in self.integrands:
+            total = total + multiplier * function(values, np)
+        return total
+
+    def _hamiltonian(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, costate: np.ndarray) -> np.ndarray:
+        return self._running(t, x, u) + (costate * self.phase.dynamics(t, x, u, self.p)).sum(axis=0)
+
+    # -- terms -------------------------------------------------------------------------------------------------------
+
+    def terms(self) -> Terms:
+        terms = Terms({kind: np.zeros(self.mesh.segments) for kind in TERMS}, np.zeros(self.mesh.segments))
+        for group in self.mesh.groups:
+            samples, here, signed = self._samples(group), group.segments, terms.signed
+            H = self._hamiltonian(samples.t, samples.x, samples.u, samples.costate)
+            running = self._running(samples.t, samples.x, samples.u)
+            signed["quadrature"][here] = samples.integral(running) - self._own_integrals(group)
+            signed["dynamics"][here] = samples.integral(H - running - (samples.costate * samples.dx).sum(axis=0))
+            terms.shares[here] += SAFETY * np.abs(signed["quadrature"][here] + signed["dynamics"][here])
+            signed["control"][here], share = self._control(samples, H)
+            terms.shares[here] += share
+            signed["constraints"][here], share = self._constraints(samples)
+            terms.shares[here] += share
+        return terms
+
+    def _samples(self, group: Group) -> _Samples:
+        tr, sigma = self.trajectory, group.scheme.sigma
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        width = np.diff(sigma)[:, None]
+        tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
+        sample = tr.grid(group.segments, tau)
+        costate = self.sense * sample.costate
+        if isinstance(group.scheme, Shooting):
+            costate = self._simulated_costate(group, tau)
+        t = sample.t.ravel()
+        x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
+        h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
+        return _Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
+
+    def _own_integrals(self, group: Group) -> np.ndarray:
+        """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
+        tr, m = self.trajectory, self.multipliers
+        if isinstance(group.scheme, Shooting):
+            rows = m.nlp.integrals(m.outcome.z)[self.number][:, group.segments]
+            return np.array([multiplier for multiplier, _ in self.integrands]) @ rows
+        tau, weights = group.scheme.quadrature
+        at = tr.grid(group.segments, tau)
+        return tr.h[group.segments] * (self._running(at.t, at.x, at.u) @ weights)
+
+    def _control(self, samples: _Samples, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the least H over the controls is less than H, over each segment, and its share of the bar."""
+        if not self.n:
+            return np.zeros((2, len(samples.weights)))
+        every, u = np.arange(len(samples.t)), samples.u[: self.n]
+
+        at = Nearby(self.phase, samples.t, samples.x, samples.u, self.p).inputs
+
+        def hamiltonian(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
+            return self._hamiltonian(*at(controls, k), samples.costate[:, None, k])
+
+        bounds = np.array([[c.bounds.lower, c.bounds.upper] for c in self.phase.controls]).T
+        least = minimise(hamiltonian, u, bounds, self._constrained(at, samples))
+        if not least.found.all():
+            t = samples.t[np.argmin(least.found)]
+            self.why_not = f"the Hamiltonian has no minimum over the controls at t = {t:.6g}"
+        within = hamiltonian(np.clip(u, bounds[0][:, None], bounds[1][:, None])[:, None], every)[0]
+        share = SAFETY * np.abs(samples.integral(least.value - within)) + samples.integral(np.abs(within - H))
+        return samples.integral(least.value - H), share
+
+    def _constrained(self, at: Callable[..., Point], samples: _Samples) -> Constrained | None:
+        own = self.of_controls
+        if not own:
+            return None
+
+        def values(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
+            point = at(controls, k)
+            return np.stack([self._values(c.function, *point) for c in own])
+
+        lower, upper = np.array([[c.bounds.lower, c.bounds.upper] for c in own]).T
+        return Constrained(values, lower, upper, np.stack([np.interp(samples.s, c.s, c.density) for c in own]))
+
+    def _constraints(self, samples: _Samples) -> tuple[np.ndarray, np.ndarray]:
+        """Multipliers times what the states exceed their constraints by, over each segment; its share of the bar."""
+        total, share = np.zeros((2, len(samples.weights)))
+        for measure, spread, between in self.of_states:
+            beyond = self._values(measure.function, samples.t, samples.x, samples.u) - measure.bound
+            inside = between[np.searchsorted(measure.s, samples.s)] * beyond
+            total += samples.integral(inside)
+            share += np.abs(samples.integral(np.interp(samples.s, measure.s, spread) * beyond))
+            share += TOUCHED * np.abs(samples.integral(np.maximum(inside, 0.0)))
+        return total, share
+
+    def _simulated_costate(self, group: Group, tau: np.ndarray) -> np.ndarray:
+        """Costates of segments that are simulated, shape (n_x, G, M): on each substep Hermite's cubic of those at its
+        ends and of their slopes, - dL/dx. Without the slopes they would be of a lower order than the states are."""
+        tr, segments = self.trajectory, group.segments
+        ends = group.scheme.sigma[:: group.scheme.stride]
+        width = np.diff(ends)
+        inner = np.stack([ends[:-1] + INSET * width, ends[1:] - INSET * width], axis=1).ravel()
+        at = tr.grid(segments, inner)
+        costate, slope = self.sense * at.costate, self._costate_slopes(at)
+        i = np.clip(np.searchsorted(ends, tau, side="right") - 1, 0, len(width) - 1)
+        a, H = (tau - ends[i]) / width[i], width[i] * tr.h[segments][:, None]
+        first, last = costate[..., 2 * i], costate[..., 2 * i + 1]
+        values = first + a**2 * (3 - 2 * a) * (last - first)
+        return values + H * a * (1 - a) * ((1 - a) * slope[..., 2 * i] - a * slope[..., 2 * i + 1])
+
+    def _costate_slopes(self, at: Sample) -> np.ndarray:
+        """- dL/dx by differences, L being H + the constraints over time times their multipliers: (n_x, G, M)."""
+        n = len(at.x)
+        step = DIFFERENCE * (1 + np.abs(at.x).reshape(n, -1).max(axis=1))
+        shape = (2 * n, *at.t.shape)
+        x = at.x[:, None] + (np.concatenate([np.eye(n), -np.eye(n)]).T * step[:, None])[:, :, None, None]
+        t, s = np.broadcast_to(at.t, shape), (at.t - self.trajectory.t[0]) / self.duration
+        u = self._inputs(t, x, np.broadcast_to(at.u[:, None], (len(at.u), *shape)))
+        L = self._hamiltonian(t, x, u, self.sense * at.costate[:, None])
+        for measure, spread, _ in self.of_states:
+            L = L + np.interp(s, measure.s, spread) * self._values(measure.function, t, x, u)
+        for c in self.of_controls:
+            L = L + np.interp(s, c.s, c.density) * self._values(c.function, t, x, u)
+        return (L[n:] - L[:n]) / (2 * step[:, None, None])

@@ -1,0 +1,239 @@
+"""Multipliers of the nonlinear program as what the continuous problem has: functions of time, and measures.
+
+    rows over time       y / (weight * duration)    density nu of a path constraint or of an algebraic variable's bound
+    bounds of states     y, mass at a point         their multiplier is a measure: it may act at one instant only
+    end values, times, parameters, boundary and integral rows     one number each
+
+The barrier leaves a product of multiplier and slack at every inequality; their sum is the gap. What an inequality adds
+to the objective by it is
+
+    - theta * multiplier * slack,      theta = nu / (nu + a s),
+
+nu being the multiplier's density and s the slack in units of 1 + |J| and of 1 + |bound|: 1 where it acts, 0 where it
+does not, 1/2 where it begins to act. (Along the central path  s nu = mu  the objective changes by  s'(mu) nu  per mu;
+with a curvature a of the Lagrangian, s' nu = nu / (nu + a s). The curvature is not known, but only matters between the
+two; it is taken as 1 in these units.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...problems.problem import Phase, Range
+from ...problems.text import short_repr
+from ..engines.outcome import Outcome
+from ..layout import Layout, Transcription, bounded_start
+from ..schemes.runge_kutta import Shooting
+
+Function = Callable[[Mapping[str, Any], Any], Any]
+
+
+@short_repr
+@dataclass(frozen=True)
+class Density:
+    """lower <= function <= upper at every time, and the density of its multiplier (K,) at normalised times s (K,)."""
+
+    function: Function
+    bounds: Range
+    s: np.ndarray
+    density: np.ndarray
+
+
+@short_repr
+@dataclass(frozen=True)
+class Measure:
+    """A side of a constraint on the states: function <= bound or >= bound, or an equation.
+
+    mass: (K,) of its multiplier at normalised times s (K,), positive where it keeps the function from growing.
+    """
+
+    function: Function
+    bound: float
+    s: np.ndarray
+    mass: np.ndarray
+
+    def spread(self, theta: np.ndarray, duration: float) -> np.ndarray:
+        """The mass that acts, as a density at s: each over the points nearest to it."""
+        edges = np.concatenate([[0.0], (self.s[1:] + self.s[:-1]) / 2, [1.0]])
+        return theta * self.mass / (np.diff(edges) * duration)
+
+    def between(self, theta: np.ndarray, duration: float) -> np.ndarray:
+        """The mass that both neighbours of an interval share, as a density on the K + 1 intervals around s.
+
+        An instant between two points at which a multiplier acts leaves a mass at both; one at a point, or beside an arc
+        on which it acts, leaves none between.
+        """
+        mass = theta * self.mass
+        a, b = mass[:-1], mass[1:]
+        shared = np.where(a * b > 0, 2 * a * b / np.where(a * b > 0, a + b, 1.0), 0.0)
+        return np.concatenate([[0.0], shared / (np.diff(self.s) * duration), [0.0]])
+
+
+@short_repr
+@dataclass(frozen=True)
+class Multipliers:
+    """The multipliers of an outcome, those of the minimised objective."""
+
+    transcription: Transcription
+    nlp: Any
+    outcome: Outcome
+
+    @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the unknowns, each (n,)."""
+        return bounded_start(self.transcription)[1:]
+
+    @cached_property
+    def g(self) -> np.ndarray:
+        return self.nlp.constraints_unchecked(self.outcome.z)
+
+    @cached_property
+    def equations(self) -> np.ndarray:
+        """Which rows are equations, shape (m,)."""
+        return self.nlp.cl == self.nlp.cu
+
+    @cached_property
+    def sides(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """(multipliers, slacks, bounds) of the lower and upper bounds of the unknowns, all (n,), and of the rows that
+        are no equations, (m,): the side that the multiplier's sign says. Zero multipliers where there is no bound."""
+        o, y = self.outcome, self.outcome.y
+        near = np.where(y > 0, self.nlp.cu, self.nlp.cl)
+        rows = np.where(self.equations, 0.0, np.abs(y)), np.abs(near - self.g), near
+        sides = []
+        for z, slack, bound in (
+            (o.z_lower, o.z - self.bounds[0], self.bounds[0]),
+            (o.z_upper, self.bounds[1] - o.z, self.bounds[1]),
+            rows,
+        ):
+            none = ~np.isfinite(bound)
+            sides.append((np.where(none, 0.0, z), np.where(none, 0.0, slack), np.where(none, 0.0, bound)))
+        return sides
+
+    @property
+    def gap(self) -> float:
+        """The sum of multiplier times slack over all inequalities."""
+        return float(sum((z * s).sum() for z, s, _ in self.sides))
+
+    @property
+    def missed(self) -> np.ndarray:
+        """Multiplier times residual of the equations, shape (m,): what it is worth that they hold to a tolerance."""
+        return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
+
+    def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound) -> np.ndarray:
+        """theta, see above; multiplier: per normalised time, for what is bounded over time."""
+        size = 1 + np.abs(bound)
+        nu, s = np.abs(multiplier) * size / (1 + abs(self.outcome.objective)), np.maximum(slack, 0.0) / size
+        return np.where(nu + s > 0, nu / np.where(nu + s > 0, nu + s, 1.0), 1.0)
+
+    @property
+    def at_ends(self) -> float:
+        """What the gap of inequalities that hold at no more than one instant adds to the objective."""
+        t = self.transcription
+        ends = [(layout.t, layout.x[:, 0], layout.x[:, -1]) for layout in t.phases]
+        places = np.unique(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
+        places = places[places >= 0]
+        single = [f.rows(self.nlp) for f in t.families if f.kind in ("boundary", "integral")]
+        rows = np.concatenate([np.zeros(0, int), *single])
+        total = 0.0
+        for (z, s, bound), own in zip(self.sides, (places, places, rows), strict=True):
+            total -= float((self.acting(z[own], s[own], bound[own]) * z[own] * s[own]).sum())
+        return total
+
+    # -- over time ---------------------------------------------------------------------------------------------------
+
+    def of_rows(self, phase: Phase, kind: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,)."""
+        wanted = (phase.name, kind, name)
+        same = [f for f in self.transcription.families if (f.phase, f.kind, f.name) == wanted]
+        if not same:
+            return (np.zeros(0),) * 3
+        s = np.concatenate([f.span[:, 0] for f in same])
+        y = np.concatenate([self.outcome.y[f.rows(self.nlp)] for f in same])
+        weights = np.concatenate([f.weights for f in same])
+        order = np.argsort(s, kind="stable")
+        return s[order], y[order], weights[order]
+
+    def at_knots(self, layout: Layout) -> np.ndarray:
+        """What bounds of states at the knots add to the costates of `costate`, shape (n_x, K + N - 1), at the slots.
+
+        There a bound's multiplier stands between the costates of both sides, whole. Where the bound acts over time, its
+        parts belong to both segments, as those of a path constraint do.
+        """
+        mesh, o = layout.mesh, self.outcome
+        inner = np.arange(1, mesh.segments)
+        starts, ends = mesh.offset[inner], mesh.offset[inner - 1] + mesh.degrees[inner - 1]
+        if isinstance(mesh.schemes[0], Shooting):
+            parts = np.full(len(mesh.slot_points), 0.5)
+        else:
+            parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
+        places = layout.x[:, mesh.knots[inner]]
+        z = np.where(places >= 0, o.z_upper[places] - o.z_lower[places], 0.0)
+        added = np.zeros((len(layout.x), len(mesh.slot_points)))
+        added[:, starts], added[:, ends] = parts[starts] * z, -parts[ends] * z
+        return added
+
+    def of_controls(self, layout: Layout, duration: float) -> list[Density]:
+        """What bounds the controls beside their own bounds: path constraints, and bounds of algebraic variables."""
+        phase, found = layout.phase, []
+        if not phase.controls:
+            return found
+        for c in phase.path:
+            if _asks_for_inputs(phase, c.function):
+                s, y, weights = self.of_rows(phase, "path", c.name)
+                found.append(Density(c.function, c.bounds, s, y / (weights * duration)))
+        weights = layout.mesh.weights
+        for variable, places in zip(phase.algebraic, layout.u[len(phase.controls) :], strict=True):
+            if variable.bounds != Range():
+                k = np.flatnonzero((places >= 0) & (weights > 0))
+                y = self.outcome.z_upper[places[k]] - self.outcome.z_lower[places[k]]
+                s = layout.mesh.fractions[k]
+                found.append(Density(_value_of(variable.name), variable.bounds, s, y / (weights[k] * duration)))
+        return found
+
+    def of_states(self, layout: Layout) -> Iterator[Measure]:
+        """What bounds the states: their bounds, but not those at the ends, and path constraints without controls."""
+        phase, o = layout.phase, self.outcome
+        for state, places in zip(phase.states, layout.x, strict=True):
+            inside = np.flatnonzero(places >= 0)
+            inside = inside[(inside > 0) & (inside < len(places) - 1)]
+            s, y, _ = self.of_rows(phase, "bound", state.name)
+            times = np.concatenate([layout.mesh.fractions[inside], s])
+            order = np.argsort(times, kind="stable")
+            for z, bound, sign in ((o.z_lower, state.bounds.lower, -1), (o.z_upper, state.bounds.upper, 1)):
+                if np.isfinite(bound) and len(times):
+                    mass = np.concatenate([sign * z[places[inside]], np.where(sign * y > 0, y, 0.0)])
+                    yield Measure(_value_of(state.name), bound, times[order], mass[order])
+        for c in phase.path:
+            if phase.controls and _asks_for_inputs(phase, c.function):
+                continue
+            s, y, _ = self.of_rows(phase, "path", c.name)
+            if c.bounds.fixed:
+                yield Measure(c.function, c.bounds.lower, s, y)
+                continue
+            for bound, sign in ((c.bounds.lower, -1), (c.bounds.upper, 1)):
+                if np.isfinite(bound):
+                    yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0))
+
+
+class _Asked(dict):
+    """Values of no meaning that remember which names are asked for."""
+
+    def __missing__(self, name: str) -> np.float64:
+        self[name] = np.float64(0.5)
+        return self[name]
+
+
+def _asks_for_inputs(phase: Phase, function: Function) -> bool:
+    asked = _Asked()
+    with np.errstate(all="ignore"):
+        function(asked, np)
+    return any(variable.name in asked for variable in phase.inputs)
+
+
+def _value_of(name: str) -> Function:
+    return lambda values, functions: values[name]
