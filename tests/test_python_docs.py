@@ -57,4 +57,5 @@ def test_the_example_of_the_readme_runs(folder):
 
 
 def test_type_checkers_are_told_that_there_are_types():
+    """In CI trajopt is installed as a wheel, so the marker is in it."""
     assert files("trajopt").joinpath("py.typed").is_file()

@@ -87,7 +87,7 @@ class _Dumper(yaml.SafeDumper):
 
 
 _Dumper.add_representer(str, _Dumper.represent_text)
-_Dumper.add_representer(None, _Dumper.represent_plain)
+_Dumper.add_multi_representer(object, _Dumper.represent_plain)
 
 
 def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:

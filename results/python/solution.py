@@ -150,7 +150,8 @@ class PhaseView(_Named):
 
 def _row(sample: Sample, number: int) -> Array:
     """A state, or an input after the states, at the times of a sample."""
-    return sample.x[number] if number < len(sample.x) else sample.u[number - len(sample.x)]
+    values: Array = sample.x[number] if number < len(sample.x) else sample.u[number - len(sample.x)]
+    return values
 
 
 def _dual(sample: Sample, number: int) -> Array:
