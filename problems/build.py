@@ -73,7 +73,16 @@ class _Builder:
             lagrange=self.term("integral"),
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
+            outputs=self.outputs(),
         )
+
+    def outputs(self) -> dict[str, Function]:
+        """The expressions of the file and the outputs of the model that have a value at every time, as written.
+
+        abs, min and max in them are these functions themselves, not what stands for them in the equations.
+        """
+        definitions = self.symbols.definitions
+        return {name: self.symbols.function(definitions[name]) for name in definitions if name in self.symbols.varying}
 
     def term(self, name: str) -> Expression | None:
         """A term of the objective: "integral" or "terminal"."""

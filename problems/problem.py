@@ -21,7 +21,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .text import shorten
+from .text import short_repr, shorten
 
 Numeric = Any
 """A number, a NumPy array or a Pyomo expression: functions of a problem are written once, for all of them."""
@@ -103,6 +103,7 @@ class Constraint:
     bounds: Range
 
 
+@short_repr
 @dataclass(frozen=True)
 class Guess:
     """A piecewise linear initial trajectory.
@@ -124,7 +125,11 @@ class Guess:
 
 @dataclass(frozen=True)
 class Phase:
-    """One phase: its own time, states, controls and constraints. `time_unit` is the unit of time."""
+    """One phase: its own time, states, controls and constraints.
+
+    time_unit: the unit of time.
+    outputs: name -> function over time that no equation of the problem needs, for those who look at a solution.
+    """
 
     name: str
     initial_time: Range
@@ -140,6 +145,7 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
+    outputs: Mapping[str, Function] = field(default_factory=dict)
 
     @property
     def inputs(self) -> tuple[Variable, ...]:

@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import TypeVar
 from unicodedata import category
+
+T = TypeVar("T")
+
+SAMPLED = 100
+"""Items of a long container that are looked at for a repr."""
 
 
 def tidy(text: str) -> str:
@@ -64,3 +72,36 @@ def did_you_mean(word: str | int, known: Iterable[str | int], otherwise: str = "
     """
     close = nearest(word, known)
     return " ".join(filter(None, [f"did you mean {close}?" if close else otherwise, always]))
+
+
+def short_repr(kind: type[T]) -> type[T]:
+    """A decorator of dataclasses and named tuples: their repr is one line, however much they hold.
+
+    Arrays are told by their shapes, containers by the names of what is in them, objects by their own name.
+    """
+
+    def one_line(self: T) -> str:
+        names = [field.name for field in fields(self)] if is_dataclass(self) else getattr(self, "_fields", ())
+        told = ", ".join(f"{name}={_hint(getattr(self, name))}" for name in names)
+        return f"<{kind.__name__} {shorten(told, 400)}>"
+
+    kind.__repr__ = one_line  # type: ignore[method-assign, assignment]
+    return kind
+
+
+def _hint(value: object) -> str:
+    """What a value is, on a part of a line."""
+    shape = getattr(value, "shape", None)
+    if isinstance(shape, tuple) and shape:
+        return f"array{shape}".replace(",)", ")")
+    if isinstance(value, Mapping):
+        return "{" + shorten(", ".join(map(str, value))) + "}"
+    if isinstance(value, tuple | list):
+        kinds = dict.fromkeys(map(_hint, value[:SAMPLED]))
+        return f"{len(value)} of {shorten(', '.join(kinds))}" if len(value) > 1 else f"({', '.join(kinds)})"
+    if isinstance(value, bytes):
+        return f"{len(value)} bytes"
+    if value is None or isinstance(value, str | int | float):
+        return shorten(tidy(repr(value)), 40)
+    name = value.name if isinstance(value, Enum) else getattr(value, "name", None)
+    return shorten(tidy(name), 40) if isinstance(name, str) else f"<{type(value).__name__}>"

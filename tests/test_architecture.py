@@ -107,15 +107,11 @@ def test_a_room_is_small_and_says_what_it_holds(room):
 
 
 def test_every_room_is_installed():
-    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
-    assert listed == ["trajopt." + ".".join(room.relative_to(ROOT).parts) for room in sorted(ROOMS)]
-
-
-@pytest.mark.parametrize("layer", LAYERS)
-def test_types_are_shipped(layer):
-    """Type checkers use the annotations of an installed package only where it says so."""
-    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
-    assert "py.typed" in data[f"trajopt.{layer}"] and (ROOT / layer / "py.typed").exists()
+    """Each under the name of its folder; the package `trajopt` itself is a room of results/."""
+    setup = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    assert setup["package-dir"]["trajopt"] == "results/package"
+    rooms = [room for room in sorted(ROOMS) if room != ROOT / "results" / "package"]
+    assert setup["packages"] == ["trajopt", *("trajopt." + ".".join(room.relative_to(ROOT).parts) for room in rooms)]
 
 
 def prints_or_exits(source: str) -> set[str]:

@@ -10,12 +10,12 @@ import broken
 import pytest
 from pydantic import BaseModel
 
-from trajopt.cli.loading import load_all
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.schema.messages import EXAMPLES, how_written
 from trajopt.problems.schema.spec import Spec
 from trajopt.problems.yaml.document import read_document, value_of
+from trajopt.transcription.loading import load_all
 
 # Every section and every key that the good file leaves out, so that the walk meets it.
 FULL = {

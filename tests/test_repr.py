@@ -1,10 +1,18 @@
-"""What a notebook shows of a spec and of a problem: a few lines, whatever the file holds."""
+"""What a notebook shows of a spec, a problem, and all that a solve gives: a few lines, whatever they hold."""
+
+from dataclasses import fields, is_dataclass
 
 import pytest
 
+import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
+from trajopt.results.file.read import read
+from trajopt.results.file.reload import reload
+from trajopt.transcription.refinement.refine import refine
+from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.solve import solve
 
 FILES = shipped()
 
@@ -31,3 +39,38 @@ def test_a_thousand_names_and_a_long_name_are_shortened():
     for shown in (repr(spec), repr(build(spec))):
         assert len(shown) < 1000
     assert "radau 3" in repr(spec)
+
+
+def within(value, seen, depth=0):
+    """Every object of trajopt that a value holds, once."""
+    if is_dataclass(value) or isinstance(value, tuple):
+        inner = [getattr(value, f.name) for f in fields(value)] if is_dataclass(value) else value[:5]
+    else:
+        inner = list(value.values())[:5] if isinstance(value, dict) else value[:5] if isinstance(value, list) else []
+    if "trajopt" in type(value).__module__ and not type(value).__module__.endswith(".tree"):
+        seen[id(value)] = value
+    for part in inner if depth < 8 else ():
+        within(part, seen, depth + 1)
+    return seen
+
+
+@pytest.mark.parametrize("mesh", [
+    {"method": "hermite-simpson", "segments": 200}, {"method": "radau", "degree": 40, "segments": 2},
+    {"method": "runge-kutta-4", "segments": 40},
+])  # fmt: skip
+def test_everything_that_a_solve_gives_is_a_few_lines(mesh, folder):
+    loaded = trajopt.load("cartpole", {"mesh": [mesh]})
+    schedule, settings = steps(loaded.spec.mesh), settings_of(loaded.spec)
+    solution = solve(list(loaded.stages), schedule, settings)
+    trajopt.solve(loaded).save("a.h5")
+    (trajectory,), (error,) = solution.trajectories, solution.errors
+    finer = refine(trajectory, error, tolerance=1e-12, merge=True)
+    path = folder / "a.h5"
+    roots = (solution, schedule, settings, reload(path), read(path), trajectory.dense, trajectory.mesh.groups, finer)
+    seen = within(roots, {}).values()
+    kinds = {type(value).__name__ for value in seen}
+    assert kinds >= {"Solution", "Trajectory", "Mesh", "MeshRecord", "Outcome", "ErrorProfile", "Layout", "Result"}
+    long = {type(value).__name__ for value in seen if len(repr(value)) > 600 or len(repr(value).splitlines()) > 6}
+    assert not long
+    count = mesh["segments"]
+    assert repr(trajectory.mesh) == f"<Mesh schemes={count} of {mesh['method']}, widths=array({count})>"

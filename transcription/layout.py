@@ -9,9 +9,11 @@ import numpy as np
 from pyomo.core import ConcreteModel, Constraint
 
 from ..problems.problem import Phase, Problem
+from ..problems.text import short_repr
 from .schemes.mesh import Mesh
 
 
+@short_repr
 @dataclass(frozen=True)
 class Family:
     """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
@@ -37,6 +39,7 @@ class Family:
         return nlp.rows(self.component)[self.part]
 
 
+@short_repr
 @dataclass(frozen=True)
 class Layout:
     """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown.
@@ -54,6 +57,7 @@ class Layout:
     explicit: int
 
 
+@short_repr
 @dataclass(frozen=True)
 class Transcription:
     """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""

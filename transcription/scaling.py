@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problems.problem import Range, Variable
+from ..problems.text import short_repr
 from .layout import Transcription
 from .program.compiler import CompiledNLP
 from .program.family import NotFinite
@@ -27,6 +28,7 @@ SIZES = (1e-4, 1e4)
 LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
 
 
+@short_repr
 @dataclass(frozen=True)
 class Scaling:
     """Factors that IPOPT multiplies with: objective, z (n,), g (m,); and the sizes they come from, by name."""

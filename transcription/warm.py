@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..problems.text import short_repr
 from .engines.ipopt import Start
 from .engines.outcome import Outcome
 from .layout import Family, Layout, Transcription
@@ -26,6 +27,7 @@ from .schemes.scheme import Scheme
 from .solution.trajectory import Trajectory
 
 
+@short_repr
 @dataclass(frozen=True)
 class Solved:
     """What a solve leaves for the next one."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from ...results.file.summary import causes
 from .printing import cell, print_field, print_table, print_title
 
 
@@ -17,15 +18,10 @@ def print_summary(summary: dict[str, Any]) -> None:
         print_field(name, text)
 
 
-def causes(summary: dict[str, Any]) -> list[str]:
-    """Why it failed, as far as is known: first what explains it, then the worst violations."""
-    return [*filter(None, [summary["trouble"]]), *summary["violations"][:3]]
-
-
 def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if not summary["solved"]:
         yield "status", summary["message"]
-        yield from (("cause", cause) for cause in causes(summary))
+        yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
         yield "remedy", summary["remedy"]
     yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from ...transcription.loading import build_checked, load_all
 from ..errors import command
-from ..loading import build_checked, load_all
 from ..options import Files, Set
 from ..output.printing import one_line, plural
 

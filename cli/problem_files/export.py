@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ...transcription.loading import load_all, located
 from ..errors import command
-from ..loading import load_all, located
 from ..options import Force, Method, Segments, Set, overrides
 
 

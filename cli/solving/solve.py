@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...transcription.loading import build_checked, load_all
 from ..errors import NOT_SOLVED, command
-from ..loading import build_checked, load_all
 from ..options import Files, Force, Json, Method, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..signals import Stop
@@ -163,8 +163,8 @@ def _kept(job: _Job, solution: Solution) -> Path:
 
 def _tell(path: Path, as_json: bool, quiet: bool) -> None:
     """Print what the result file holds; a failure also goes to standard error if the table is not seen there."""
-    from ...results.file.summary import summarize
-    from ..output.table import causes, print_summary
+    from ...results.file.summary import causes, summarize
+    from ..output.table import print_summary
 
     summary = summarize(path)
     if as_json:
@@ -172,5 +172,6 @@ def _tell(path: Path, as_json: bool, quiet: bool) -> None:
     elif not quiet:
         print_summary(summary)
     if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):
-        why = "; ".join([summary["message"], *causes(summary)[:1], summary["remedy"]])
+        why_not = causes(summary["trouble"], summary["violations"])[:1]
+        why = "; ".join([summary["message"], *why_not, summary["remedy"]])
         print(f"not solved: {one_line(summary['problem'])}: {one_line(why)}", file=sys.stderr)

@@ -52,12 +52,15 @@ class Locations:
         return located
 
     def _origin(self, path: Path) -> int | str:
-        """The line, or the override, of the longest part of the path that was given."""
-        for n in range(len(path), 0, -1):
-            if path[:n] in self.overrides:
-                return self.overrides[path[:n]]
-            if path[:n] in self.lines:
-                return self.lines[path[:n]]
+        """The override, or the line, of the longest part of the path that was given.
+
+        An override takes the place of all that the file says there and below.
+        """
+        parts = [path[:n] for n in range(len(path), 0, -1)]
+        for given in (self.overrides, self.lines):
+            for part in parts:
+                if part in given:
+                    return given[part]
         return 1
 
     def _line(self, path: Path) -> float:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
+
+import yaml
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean
@@ -32,15 +34,60 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
             where = f"--set {shown.strip()}"
             new = value_of(value, where)
             for path in list(_paths(document.data, shown.strip(), where)):
-                _assign(document.data, path, new, where)
+                place = _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
                 new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
-                given |= dict.fromkeys([*new_ones, path], shown.strip())
+                given |= dict.fromkeys([*new_ones, place], shown.strip())
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:
         raise SpecError(mistakes)
     return document.data, given
+
+
+def as_text(values: Mapping[str, object]) -> list[str]:
+    """Path -> value of Python's as overrides "PATH=VALUE".
+
+    values: numbers, texts, booleans, None, and lists, tuples, dicts and NumPy arrays of them.
+
+    Raises SpecError, at each path, for a value that no problem file can hold.
+    """
+    texts: list[str] = []
+    mistakes: list[Mistake] = []
+    for path, value in values.items():
+        where = f"--set {path}"
+        if not isinstance(path, str) or "=" in path:
+            what = "this is not a path"
+            mistakes.append(Mistake(where, what, "write keys with dots between them: mesh.0.segments"))
+            continue
+        try:
+            # in a list, so that YAML writes no end of document after a plain value
+            listed = yaml.dump([value], Dumper=_Dumper, default_flow_style=True, width=float("inf"), sort_keys=False)
+            texts.append(f"{path}={listed.strip()[1:-1]}")
+        except (yaml.representer.RepresenterError, RecursionError):
+            what = f"a value of type {type(value).__name__} cannot stand in a problem file"
+            mistakes.append(Mistake(where, what, "give numbers, texts, lists or dicts"))
+    if mistakes:
+        raise SpecError(mistakes)
+    return texts
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes every text in quotes, so that "1e5" stays a text, and what NumPy holds as plain numbers and lists."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+    def represent_text(self, text: str) -> yaml.Node:
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style='"')
+
+    def represent_plain(self, value: Any) -> yaml.Node:
+        plain = getattr(value, "tolist", None)
+        return self.represent_data(plain()) if plain else self.represent_undefined(value)
+
+
+_Dumper.add_representer(str, _Dumper.represent_text)
+_Dumper.add_multi_representer(object, _Dumper.represent_plain)
 
 
 def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
@@ -96,8 +143,11 @@ def _below(node: Any, key: str | int) -> Any:
     return node.get(key) if isinstance(node, dict) else None
 
 
-def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
-    """Set one value. A plain value on the way, such as 0.3 for {value: 0.3}, becomes its long form."""
+def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> Path:
+    """Set one value, and tell where: at the path, or at the value: of the long form that stands there.
+
+    A plain value on the way, such as 0.3 for {value: 0.3}, becomes its long form.
+    """
     node: Any = data
     for i, (step, following) in enumerate(pairwise(path)):
         inner = _below(node, step)
@@ -113,5 +163,6 @@ def _assign(data: dict[str, Any], path: Path, new: Any, where: str) -> None:
     last, old = path[-1], _below(node, path[-1])
     if isinstance(old, dict) and "value" in old and not isinstance(new, dict | list):
         old["value"] = new
-    else:
-        node[last] = new
+        return *path, "value"
+    node[last] = new
+    return path

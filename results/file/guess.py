@@ -15,15 +15,16 @@ from .write import open_result
 KINDS = ("state", "control", "algebraic")
 
 
-def guess_from(path: Path, problem: Problem) -> list[Guess]:
-    """The trajectories of a result file as one guess for each phase, on the file's dense grid.
+def guess_from(source: Path | bytes, problem: Problem) -> list[Guess]:
+    """The trajectories of a result file, or of the content of one, as one guess for each phase, on the dense grid.
 
     States, controls and parameters that the file does not have keep the problem's own guess, so that a result of a
     simpler problem can start a richer one; `lacking` tells which. Raises FileError if the file is no result, SpecError
     if it has none of the states.
     """
-    with open_result(path) as file:
-        return [_guess(path, file, phase) for phase in problem.phases]
+    name = "the solution" if isinstance(source, bytes) else str(source)
+    with open_result(source) as file:
+        return [_guess(name, file, phase) for phase in problem.phases]
 
 
 def lacking(path: Path, problem: Problem) -> list[Mistake]:
@@ -55,11 +56,11 @@ def _told(values: Mapping, known: set[str]) -> list[str]:
     return [f"{name} ({a:.4g})" if a == b else f"{name} ({a:.4g} to {b:.4g})" for name, (a, b) in ends.items()]
 
 
-def _guess(path: Path, file: h5py.File, phase: Phase) -> Guess:
+def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
     group = file.get(f"phase/{phase.name}", {})
     if not any(state.name in group.get("dense/state", {}) for state in phase.states):
         names = ", ".join(state.name for state in phase.states)
-        raise SpecError(Mistake(str(path), f"it has none of the states {names}", "give a result of a similar problem"))
+        raise SpecError(Mistake(source, f"it has none of the states {names}", "give a result of a similar problem"))
     dense, own = group["dense"], phase.guess
     time = dense["time"][:]
     s = (time - time[0]) / (time[-1] - time[0])

@@ -13,12 +13,14 @@ import numpy as np
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Problem, Range
+from ...problems.text import short_repr
 from .write import open_result
 
 KINDS = ("state", "control", "algebraic", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
 
 
+@short_repr
 @dataclass(frozen=True)
 class Curve:
     """One quantity of a phase: its unit, its values (K,) at the points of the mesh and (M,) on the dense grid."""
@@ -28,6 +30,7 @@ class Curve:
     dense: np.ndarray
 
 
+@short_repr
 @dataclass(frozen=True)
 class PhaseCurves:
     """One phase of a result.
@@ -63,6 +66,7 @@ class PhaseCurves:
         return {name: np.interp(t, self.dense_time, c.dense) for name, c in self.curves.get(kind, {}).items()}
 
 
+@short_repr
 @dataclass(frozen=True)
 class MeshEntry:
     """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave."""
@@ -74,6 +78,7 @@ class MeshEntry:
     max_eta: float
 
 
+@short_repr
 @dataclass(frozen=True)
 class Result:
     """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data."""

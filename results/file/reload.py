@@ -12,22 +12,25 @@ from ...problems.build import build
 from ...problems.load import load_stored
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
+from ...problems.text import short_repr
 from ...transcription.engines.outcome import Outcome, Status
 from ...transcription.layout import Transcription
 from ...transcription.program.compiler import CompiledNLP
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.schemes.table import find
 from ...transcription.solution.costate import with_costates
+from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
 from ...transcription.transcribe import compiled, transcribe
 from .write import open_result
 
 
+@short_repr
 @dataclass(frozen=True)
 class Reloaded:
     """What was solved, transcribed anew on the last mesh, with the stored unknowns and multipliers.
 
-    objective: as the problem file writes it; that of `outcome` is the minimised one.
+    objective: as the problem file writes it; that of `outcome` is the minimised one. records: of every mesh solved.
     """
 
     spec: Spec
@@ -39,6 +42,7 @@ class Reloaded:
     objective: float
     solved: bool
     overrides: tuple[str, ...]
+    records: tuple[MeshRecord, ...]
 
 
 def _mesh(group: h5py.Group) -> Mesh:
@@ -52,6 +56,19 @@ def _mesh(group: h5py.Group) -> Mesh:
     forms = ["differential" if differential else "integral" for differential in group["differential"][:]]
     schemes = (find(method, int(n), form) for n, form in zip(group["degree"][:], forms, strict=True))
     return Mesh(tuple(schemes), widths)
+
+
+def _record(group: h5py.Group) -> MeshRecord:
+    """How the solve on the mesh of a group /mesh/<k> went."""
+    told, prefix = group.attrs, "seconds_"
+    parts = {key.removeprefix(prefix): float(value) for key, value in told.items() if key.startswith(prefix)}
+    return MeshRecord(
+        mesh=_mesh(group),
+        status=Status[told["status"].upper()],
+        **{key: float(told[key]) for key in ("tolerance", "objective", "max_eta", "relative_error")},
+        **{key: int(told[key]) for key in ("iterations", "unknowns", "constraints")},
+        seconds={part.replace("_", " "): value for part, value in parts.items()},
+    )
 
 
 def _outcome(file: h5py.File, sense: int) -> Outcome:
@@ -69,11 +86,11 @@ def reload(path: Path) -> Reloaded:
     with open_result(path) as file:
         spec = load_stored(file["spec/full"].asstr()[()], str(path))
         problem = build(spec)
-        mesh = _mesh(file["mesh"][str(len(file["mesh"]) - 1)])
+        records = tuple(_record(file["mesh"][str(number)]) for number in range(len(file["mesh"])))
         outcome = _outcome(file, problem.sense)
         objective, solved = float(file.attrs["objective"]), bool(file.attrs["solved"])
         overrides = tuple(file["spec"].attrs["overrides"])
-    transcription = transcribe(problem, [mesh] * len(problem.phases))
+    transcription = transcribe(problem, [records[-1].mesh] * len(problem.phases))
     nlp = compiled(transcription)
     phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
-    return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides)
+    return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides, records)

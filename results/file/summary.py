@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,11 @@ def summarize(path: Path) -> dict[str, Any]:
     """
     with open_result(path) as file:
         return plain(_summary(path, file))
+
+
+def causes(trouble: str, violations: Sequence[object]) -> list[str]:
+    """Why a solve failed, as far as is known: first what explains it, then the worst violations."""
+    return [*filter(None, [trouble]), *map(str, violations[:3])]
 
 
 def _summary(path: Path, file: h5py.File) -> dict[str, Any]:

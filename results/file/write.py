@@ -36,9 +36,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
+from io import BytesIO
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -95,10 +97,14 @@ def _told_by(path: Path, attribute: str) -> Any:
 
 
 @contextmanager
-def open_result(path: Path) -> Iterator[h5py.File]:
-    """A result file, open for reading. Raises FileError if it cannot be read or is no result of this version."""
+def open_result(source: Path | bytes) -> Iterator[h5py.File]:
+    """A result file, or the content of one, open for reading.
+
+    Raises FileError if it cannot be read or is no result of this version.
+    """
+    path = Path("the solution") if isinstance(source, bytes) else source
     try:
-        file = h5py.File(path, "r")
+        file = h5py.File(BytesIO(source) if isinstance(source, bytes) else source, "r")
     except OSError as error:
         missing = "there is no such file" if not path.exists() else "it is a folder"
         reason = "it cannot be read as HDF5" if path.is_file() else missing
@@ -122,11 +128,29 @@ def write(
 ) -> None:
     """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError.
 
+    spec_text, spec_full, command, overrides: as of `image_of`.
+    """
+    write_image(path, image_of(solution, spec_text, spec_full, command, overrides))
+
+
+def write_image(path: Path, image: bytes) -> None:
+    """Write what `image_of` gave. Raises FileError."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
+
+
+def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, overrides: Sequence[str] = ()) -> bytes:
+    """The content of the result file of a solution.
+
+    spec_text: the problem file as it was given.
+    spec_full: the same with every default, as JSON.
+    command: what the user typed.
     overrides: the paths that the command line changed, so that the file's reference is none of this result.
 
     HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
     """
-    with h5py.File(path.name, "w", driver="core", backing_store=False, track_order=True) as file:
+    name = uuid4().hex  # HDF5 refuses two files in memory of one name, as of two threads
+    with h5py.File(name, "w", driver="core", backing_store=False, track_order=True) as file:
         _write_head(file, solution, command)
         spec = _group(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
@@ -146,9 +170,8 @@ def write(
             _write_mesh(_group(meshes, str(number)), record)
         _write_solver(_group(file, "solver"), solution)
         file.flush()
-        image = file.id.get_file_image()
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
+        image: bytes = file.id.get_file_image()
+    return image
 
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:

@@ -12,6 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from ...problems.errors import Mistake
+from ...problems.text import short_repr
 from ..program.alone import LOCK
 from ..program.compiler import CompiledNLP
 from ..program.family import NotFinite
@@ -53,6 +54,7 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Start:
     """Multipliers to start from, with the signs and shapes of `Outcome`."""
@@ -117,6 +119,7 @@ def solve(
 def check_options(options: Mapping[str, object]) -> list[Mistake]:
     """Ask IPOPT itself whether it takes each option; mistakes stand at solver.<name>."""
     problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
+    _silence(problem)
     mistakes = []
     for name, value in options.items():
         if not _accepts(problem, name, value):
@@ -133,6 +136,16 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
             remedy = "write mumps, or name the file that holds it: --set solver.hsllib=..., or pardisolib"
             mistakes.append(Mistake("solver.linear_solver", f"IPOPT cannot load the linear solver {wanted}", remedy))
     return mistakes
+
+
+def _silence(problem) -> None:
+    """Keep IPOPT from printing its own, longer words for an option that it refuses.
+
+    It obeys the print level only from its first solve on; that of a problem of one unknown takes 3 ms.
+    """
+    problem.add_option("print_level", 0)
+    problem.add_option("sb", "yes")
+    problem.solve(np.array([0.5]))
 
 
 def _problem(**definition):

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...problems.text import short_repr
+
 
 class Status(Enum):
     """Name -> (IPOPT's return code, what happened, what to do)."""
@@ -84,6 +86,7 @@ class Status(Enum):
         return next((status for status in cls if status.code == code), cls.FAILED)
 
 
+@short_repr
 @dataclass(frozen=True)
 class Outcome:
     """What a solver gives back.

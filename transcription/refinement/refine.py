@@ -31,6 +31,7 @@ from itertools import groupby
 import numpy as np
 
 from ...problems.problem import TOLERATED_EXCESS
+from ...problems.text import short_repr
 from ..schemes.mesh import Mesh
 from ..schemes.scheme import FiniteDifference, Scheme
 from ..schemes.table import METHODS
@@ -55,6 +56,7 @@ Piece = tuple[float, Scheme]
 """Width and scheme of a segment of the next mesh."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Refinement:
     """The next mesh, and the segments of this one that exceed the tolerance, in words; none if the mesh is good.

@@ -16,9 +16,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ...problems.text import short_repr
 from .table import FiniteDifference, Scheme
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Group:
     """The segments of one scheme: their numbers (G,), state nodes (G, d + 1), collocation points (G, n), slots (G, d +
@@ -32,6 +34,7 @@ class Group:
     slots: np.ndarray
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """schemes: one for each segment. widths: (N,) positive, in any unit; they are scaled to a sum of 1."""

@@ -22,6 +22,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...problems.text import short_repr
 from .polynomials import lagrange_basis
 from .scheme import Interpolant
 
@@ -32,6 +33,7 @@ _SLOPES = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 1.0)}
 COSTATE_NODES = 4  # of the polynomial through neighbouring costates
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Table:
     """A Butcher table. A: (r, r) strictly lower triangular, b: (r,). controls: the polynomials it can tell apart."""
@@ -112,6 +114,7 @@ DORMAND_PRINCE = Table(
 TABLES = (HEUN, CLASSICAL, DORMAND_PRINCE)
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Shooting:
     """A segment that is simulated: one row of the table of methods, for a number of substeps and a control polynomial.

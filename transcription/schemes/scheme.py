@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
 
 
@@ -39,6 +40,7 @@ class Interpolant(NamedTuple):
     U: np.ndarray
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Scheme:
     """One row of the table of methods, at one degree.

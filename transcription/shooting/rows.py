@@ -25,6 +25,7 @@ import numpy as np
 
 from ...problems.errors import Mistake
 from ...problems.problem import Constraint, Phase, Problem, Range
+from ...problems.text import short_repr
 from ..layout import Family, Layout, Transcription
 from ..schemes.mesh import Mesh
 from .simulation import held
@@ -39,6 +40,7 @@ class Unknown(NamedTuple):
     bounds: tuple[float | None, float | None]
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Rows:
     """The rows of one group of constraints, in the order of their times, and their common bounds."""
@@ -48,6 +50,7 @@ class Rows:
     bounds: Range
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class PhaseRows:
     """The rows of a phase: defects (G, n) of each group of segments; g (G, P, n_g) and bounds of states (G, P - 1, n_b)
@@ -62,6 +65,7 @@ class PhaseRows:
     bounded: list[int]
 
 
+@short_repr
 @dataclass(frozen=True)
 class ShootingTranscription(Transcription):
     """What the nonlinear program of a shooting method is made from; it has no Pyomo model."""

@@ -18,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...problems.problem import Range
+from ...problems.text import short_repr
 from ..schemes.scheme import FiniteDifference
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory
@@ -29,6 +30,7 @@ GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 
+@short_repr
 @dataclass(frozen=True)
 class ErrorProfile:
     """epsilon: (n_x, M) on the trajectory's dense grid; eta: (n_x, N) in units of the state.
@@ -124,6 +126,7 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     return errors / (1 + np.abs(totals[:, None]))
 
 
+@short_repr
 @dataclass(frozen=True)
 class Excess:
     """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the dense grid.

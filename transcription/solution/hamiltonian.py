@@ -19,6 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...problems.text import short_repr
+
 STEPS = 20  # of Newton's method, at most
 RADIUS = 2.0  # longest step of a control between bounds, in sizes of the controls: half the distance of the bounds
 FAR = 100.0  # longest step without bounds; a minimum that STEPS of them do not reach is none
@@ -36,6 +38,7 @@ Values = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Controls (n_u, B, S) and the numbers (S,) of the samples they belong to -> values (B, S), or (n_c, B, S)."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Constrained:
     """Constraints c of the controls: their values, (n_c, B, S), their bounds (n_c,) and multipliers (n_c, all samples).
@@ -49,6 +52,7 @@ class Constrained:
     multipliers: np.ndarray
 
 
+@short_repr
 @dataclass(frozen=True)
 class Minimum:
     """u (n_u, S) and value (S,); found (S,): whether there is a minimum, not a way down without an end."""

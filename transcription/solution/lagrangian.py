@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...problems.text import short_repr
 from ..layout import Layout
 from ..schemes.mesh import Group
 from ..schemes.runge_kutta import Shooting
@@ -29,6 +30,7 @@ Point = tuple[np.ndarray, np.ndarray, np.ndarray]
 """t, x and inputs u at some samples."""
 
 
+@short_repr
 @dataclass
 class Terms:
     """Contributions of the segments of a phase, (N,): to the minimised objective by kind, and to the bar."""

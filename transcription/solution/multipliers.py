@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from ...problems.problem import Phase, Range
+from ...problems.text import short_repr
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription, bounded_start
 from ..schemes.runge_kutta import Shooting
@@ -32,6 +33,7 @@ from ..schemes.runge_kutta import Shooting
 Function = Callable[[Mapping[str, Any], Any], Any]
 
 
+@short_repr
 @dataclass(frozen=True)
 class Density:
     """lower <= function <= upper at every time, and the density of its multiplier (K,) at normalised times s (K,)."""
@@ -42,6 +44,7 @@ class Density:
     density: np.ndarray
 
 
+@short_repr
 @dataclass(frozen=True)
 class Measure:
     """A side of a constraint on the states: function <= bound or >= bound, or an equation.
@@ -71,6 +74,7 @@ class Measure:
         return np.concatenate([[0.0], shared / (np.diff(self.s) * duration), [0.0]])
 
 
+@short_repr
 @dataclass(frozen=True)
 class Multipliers:
     """The multipliers of an outcome, those of the minimised objective."""

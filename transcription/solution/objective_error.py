@@ -47,6 +47,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..schemes.scheme import FiniteDifference
@@ -57,6 +58,7 @@ from .trajectory import Trajectory
 ROUNDING = 1e-11  # relative to 1 + |J|: of sums, of derivatives by differences, and of the engine
 
 
+@short_repr
 @dataclass(frozen=True)
 class ObjectiveError:
     """How far the objective J of a solution is from the optimum J*, as the problem writes it.

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...problems.problem import Problem
+from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..schemes.mesh import Mesh
 from .diagnose import Violation
@@ -16,6 +17,7 @@ from .trajectory import Trajectory
 NOT_MEASURED = ObjectiveError(why_not="this mesh is not the last")
 
 
+@short_repr
 @dataclass(frozen=True)
 class MeshRecord:
     """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part."""
@@ -32,6 +34,7 @@ class MeshRecord:
     seconds: Mapping[str, float]
 
 
+@short_repr
 @dataclass(frozen=True)
 class Solution:
     """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.

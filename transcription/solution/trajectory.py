@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...problems.problem import Phase
+from ...problems.text import short_repr
 from ..collocation.differences import velocities
 from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
@@ -27,6 +28,7 @@ DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpso
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
 
+@short_repr
 class Sample(NamedTuple):
     """Values of a trajectory at times t (...): x, its slope dx/dt and its costate (n_x, ...); inputs u (n_u, ...)."""
 
@@ -37,6 +39,7 @@ class Sample(NamedTuple):
     costate: np.ndarray | None
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """One phase of a solution.

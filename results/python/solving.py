@@ -1,0 +1,106 @@
+"""Solving, and reading back what was saved; nothing is printed, and a failed solve is data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import nan
+from pathlib import Path
+
+from ...problems.build import build_all
+from ...problems.problem import Guess
+from ...transcription.loading import located
+from ...transcription.settings import settings_of, steps
+from ...transcription.solution.solution import MeshRecord
+from ...transcription.solution.trajectory import Trajectory
+from ...transcription.solve import solve as run
+from ..file.guess import guess_from
+from ..file.reload import reload
+from ..file.summary import causes, summarize
+from ..file.write import image_of
+from .messages import python_words, remedy_in_python
+from .problem import LoadedProblem
+from .solution import ErrorEstimate, PhaseView, SolutionView
+
+COMMAND = "trajopt.solve(...)"
+"""What a result file tells as the command."""
+
+
+def solve(
+    problem: LoadedProblem,
+    *,
+    guess: SolutionView | str | Path | None = None,
+    progress: Callable[[int, dict[str, float]], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> SolutionView:
+    """Solve a problem on each mesh of its schedule, and on refined ones if it asks for them.
+
+    problem: of `trajopt.load`.
+    guess: an earlier solution, or its file, whose curves are the start; what it lacks starts from the problem's own
+        guess. None for the problem's own.
+    progress: called in each iteration with the number of the solve, from 0, and the engine's record: name -> number,
+        such as "iteration", "objective", "primal_infeasibility".
+    stop: asked in each iteration; true ends the solve, and the last iterate is the result.
+
+    A solve that fails is a result like any other: look at `solved` before you use it. Raises SpecError if the guess
+    has none of the states, or if the engine cannot take the problem; FileError if the guess is no result file.
+    """
+    if not isinstance(problem, LoadedProblem):
+        raise TypeError(f"solve takes what trajopt.load gives, not {type(problem).__name__}")
+    spec, stages = problem.spec, list(problem.stages)
+    with python_words():
+        start = _start(guess, problem)
+        with located(spec):
+            solution = run(stages, steps(spec.mesh), settings_of(spec), guess=start, progress=progress, stop=stop)
+    return SolutionView(
+        problem=problem,
+        solved=solution.solved,
+        status=solution.status.name.lower(),
+        message=solution.status.message,
+        remedy=remedy_in_python(solution.status.remedy),
+        causes=tuple(causes(solution.trouble, solution.violations)),
+        objective=solution.objective,
+        error=_error(solution.meshes, solution.objective_error.bar),
+        meshes=solution.meshes,
+        phases=_phases(solution.trajectories),
+        _make_image=partial(image_of, solution, spec.text, spec.model_dump_json(), COMMAND, spec.overrides),
+    )
+
+
+def read(path: str | Path) -> SolutionView:
+    """Read a result file, written by `save` or by the command line.
+
+    It gives what `solve` gave: the same numbers, and functions of time by the same interpolants. Raises FileError if
+    it cannot be read, is no result, or holds a problem that this version of trajopt cannot read.
+    """
+    source = Path(path)
+    with python_words():
+        again, summary = reload(source), summarize(source)
+    bar = summary["objective_error"]
+    return SolutionView(
+        problem=LoadedProblem(again.spec, tuple(build_all(again.spec))),
+        solved=again.solved,
+        status=again.outcome.status.name.lower(),
+        message=summary["message"],
+        remedy=remedy_in_python(summary["remedy"]),
+        causes=tuple(causes(summary["trouble"], summary["violations"])),
+        objective=again.objective,
+        error=_error(again.records, nan if bar is None else bar),
+        meshes=again.records,
+        phases=_phases(again.trajectories),
+        _make_image=partial(bytes, source.read_bytes()),
+    )
+
+
+def _error(meshes: Sequence[MeshRecord], objective: float) -> ErrorEstimate:
+    return ErrorEstimate(meshes[-1].max_eta, meshes[-1].relative_error, objective)
+
+
+def _start(guess: SolutionView | str | Path | None, problem: LoadedProblem) -> list[Guess] | None:
+    if guess is None:
+        return None
+    return guess_from(guess.image if isinstance(guess, SolutionView) else Path(guess), problem.stages[0])
+
+
+def _phases(trajectories: Sequence[Trajectory]) -> dict[str, PhaseView]:
+    return {trajectory.phase.name: PhaseView(trajectory) for trajectory in trajectories}

@@ -1,0 +1,112 @@
+"""Problem files -> specs and problems that are ready to be solved, with every mistake of every file.
+
+What `problems.load` cannot know is asked here of those who do: the methods of a mesh, the options of the engine, and
+whether there is a nonlinear program at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from ..problems.errors import Mistake, SpecError
+
+if TYPE_CHECKING:  # `trajopt --help` imports this module; it needs no pydantic
+    from ..problems.problem import Problem
+    from ..problems.schema.spec import Spec
+
+TEXT = "text"
+"""The name, in messages, of a problem file that is none: a text."""
+
+
+def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
+    """The spec of one problem, its methods and the options of its engine checked.
+
+    name: of a file, or of a shipped problem.
+    overrides: "PATH=VALUE" each, as `problems.load.load` takes them.
+
+    Raises FileError if there is no such file, and SpecError with all the mistakes in the problem and the overrides.
+    """
+    from ..problems.catalog import find_problem
+    from ..problems.load import load
+    from .schemes.table import METHODS
+
+    return _with_methods_checked(load(find_problem(name), overrides, tuple(METHODS), _check_options))
+
+
+def load_yaml(text: str, overrides: Sequence[str] = ()) -> Spec:
+    """As `load_file`, from the text of a problem file; messages call it "text"."""
+    from ..problems.load import load_text
+    from .schemes.table import METHODS
+
+    return _with_methods_checked(load_text(text, TEXT, overrides, tuple(METHODS), _check_options))
+
+
+def _with_methods_checked(spec: Spec) -> Spec:
+    from .schemes.table import check_schedule
+
+    if mistakes := check_schedule(spec.mesh):
+        raise SpecError(spec.locate(mistakes))
+    return spec
+
+
+def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list[Spec]:
+    """Several specs as of `load_file`.
+
+    Raises SpecError with the mistakes of all files, or the FileError of the first that cannot be read.
+    """
+    specs: list[Spec] = []
+    mistakes: list[Mistake] = []
+    for name in files:
+        try:
+            specs.append(load_file(name, overrides))
+        except SpecError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise SpecError(dict.fromkeys(mistakes))  # a wrong override is wrong for every file, and told once
+    return specs
+
+
+def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
+    """The problems of each spec, one for each mesh; what only the methods know of them is asked before any is solved.
+
+    Raises SpecError with all that cannot be transcribed, in any of the files.
+    """
+    from ..problems.build import build_all
+    from .settings import steps
+    from .solve import planned
+
+    built: list[list[Problem]] = []
+    mistakes: list[Mistake] = []
+    for spec in specs:
+        try:
+            with located(spec):
+                built.append(build_all(spec))
+                planned(built[-1], steps(spec.mesh))
+        except SpecError as error:
+            mistakes += error.mistakes
+    if mistakes:
+        raise SpecError(dict.fromkeys(mistakes))
+    return built
+
+
+@contextmanager
+def located(spec: Spec) -> Iterator[None]:
+    """Mistakes that only the solution of a problem finds, at their place in its file."""
+    try:
+        yield
+    except SpecError as error:
+        raise SpecError(spec.locate(error.mistakes)) from error
+
+
+def _check_options(engine: str, options: Mapping[str, object]) -> list[Mistake]:
+    if not options:
+        return []
+    if engine == "newton":
+        from .engines.newton import check_options
+
+        return check_options(options)
+    from .engines.ipopt import check_options as ask_ipopt
+
+    return ask_ipopt(options)
