@@ -16,6 +16,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
+from ..program.alone import LOCK
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
 from .scheme import FiniteDifference, Scheme
@@ -74,7 +75,8 @@ class Method:
         degree = DEFAULT_DEGREE if degree is None else degree
         if not 1 <= degree <= MAX_DEGREE:
             raise SpecError(Mistake("mesh.degree", f"degree {degree} is out of range", f"write 1 to {MAX_DEGREE}"))
-        return _orthogonal(self, degree, form or ("integral" if degree <= INTEGRAL_DEGREE else "differential"))
+        with LOCK:  # segments are grouped by the object: two threads must not make two of one scheme
+            return _orthogonal(self, degree, form or ("integral" if degree <= INTEGRAL_DEGREE else "differential"))
 
     def shooting(self, substeps: int | None = None, control: str | None = None) -> Shooting:
         """The scheme of a shooting method; raises SpecError for substeps or a control that it does not have."""
@@ -90,7 +92,8 @@ class Method:
         if control not in self.table.controls:
             what = f"'{self.name}' cannot have {control} controls: it evaluates too few of their nodes"
             raise SpecError(Mistake("mesh.control", what, "write " + " or ".join(self.table.controls)))
-        return _shooting(self.table, substeps, control)
+        with LOCK:
+            return _shooting(self.table, substeps, control)
 
 
 @cache
