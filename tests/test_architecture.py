@@ -114,6 +114,12 @@ def test_every_room_is_installed():
     assert setup["packages"] == ["trajopt", *("trajopt." + ".".join(room.relative_to(ROOT).parts) for room in rooms)]
 
 
+def test_types_are_shipped():
+    """Type checkers use the annotations of an installed package only where it says so, for all packages in it."""
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    assert data["trajopt"] == ["py.typed"] and (ROOT / "results" / "package" / "py.typed").exists()
+
+
 def prints_or_exits(source: str) -> set[str]:
     """What a source names that prints, ends the process, or reads what is typed, whatever it calls it."""
     nodes = list(ast.walk(ast.parse(source)))

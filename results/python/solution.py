@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -40,8 +41,9 @@ class _Named(Mapping[str, Any]):
     __hash__ = object.__hash__
     __eq__ = object.__eq__
 
+    @abstractmethod
     def _members(self) -> Mapping[str, Any]:
-        raise NotImplementedError
+        """All that has a name."""
 
     def __getitem__(self, name: str) -> Any:
         members = self._members()
