@@ -14,6 +14,9 @@ from .error import ErrorProfile
 from .objective_error import ObjectiveError
 from .trajectory import Trajectory
 
+LARGEST_ERROR = 1e-2
+"""Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
+
 NOT_MEASURED = ObjectiveError(why_not="this mesh is not the last")
 
 
@@ -64,5 +67,25 @@ class Solution:
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
 
     @property
+    def inaccurate(self) -> str:
+        """Why a solved problem is not as accurate as was asked, or ""."""
+        return inaccurate(len(self.unmet), self.stopped, self.meshes[-1].relative_error)
+
+    @property
     def max_eta(self) -> float:
         return max(error.max_eta for error in self.errors)
+
+
+def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
+    """Why a solution is not as accurate as was asked, or "".
+
+    unmet: the number of segments that miss the tolerance. stopped: why refinement ended early. relative_error: of the
+    last mesh, None or NaN if it cannot be measured; then nothing is known against the solution but what was said.
+    """
+    if unmet:
+        return f"{unmet} segment{'s' if unmet > 1 else ''} of the mesh miss the tolerance"
+    if stopped:
+        return stopped
+    if relative_error is not None and relative_error > LARGEST_ERROR:
+        return f"the mesh is too coarse: the relative error is {relative_error:.1e}; give it more segments, or refine:"
+    return ""
