@@ -68,7 +68,7 @@ INFEASIBLE = {
         "the dynamics of x between t = ",
     ),
     "a path constraint at one time": (
-        problem(extra="constraints: {path: [{name: early, expression: x + exp(-10000*(t - 0.05)**2), upper: 1.05}]}"),
+        problem(extra="constraints: {path: [{name: early, expression: x + (t - 0.5)**2 + p, upper: 0.2}]}\noptimize: {p: {lower: 0, upper: 1}}"),
         ["path constraint 'early'"],
         "path constraint 'early' at t = ",
     ),
