@@ -43,7 +43,9 @@ def failed(text: str, **options):
     spec = load_text(text, "failure.yaml")
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # NumPy's would reach the user's terminal
-        solution = solve(build(spec), steps(spec.mesh), Settings({**spec.solver.options, **options}))
+        problem = build(spec)
+        own = [phase.guess for phase in problem.phases]  # given as a guess: no other start is tried
+        solution = solve(problem, steps(spec.mesh), Settings({**spec.solver.options, **options}), guess=own)
     assert not solution.solved
     assert solution.status.message and solution.status.remedy
     return solution
@@ -68,7 +70,10 @@ INFEASIBLE = {
         "the dynamics of x between t = ",
     ),
     "a path constraint at one time": (
-        problem(extra="constraints: {path: [{name: early, expression: x + (t - 0.5)**2 + p, upper: 0.2}]}\noptimize: {p: {lower: 0, upper: 1}}"),
+        problem(
+            extra="constraints: {path: [{name: early, expression: x + (t - 0.5)**2 + p, upper: 0.2}]}\n"
+            "optimize: {p: {lower: 0, upper: 1}}"
+        ),
         ["path constraint 'early'"],
         "path constraint 'early' at t = ",
     ),

@@ -14,6 +14,7 @@ import numpy as np
 from ..problems.errors import SpecError
 from ..problems.problem import Problem
 from .engines.outcome import Status
+from .first_mesh import solve_first_mesh
 from .one_mesh import Origin, Watch, solve_mesh
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
@@ -68,10 +69,12 @@ def solve(
     mesh of the same problem is interrupted or runs out of time. The history tells of every mesh solved, a coarse one
     before a large first one too.
     """
-    steps, history, unmet, stopped = planned(problem, schedule), [], (), ""
+    steps, history, unmet, stopped, notes = planned(problem, schedule), [], (), "", ()
     start, good, limit = Origin(guess, None), None, _Limit(settings.seconds, stop)
     for number in count():
-        solution, solved = solve_mesh(*steps[number], settings, start, Watch(progress, limit.reached, len(history)))
+        own_solve = solve_mesh if number else solve_first_mesh
+        solution, solved = own_solve(*steps[number], settings, start, Watch(progress, limit.reached, len(history)))
+        notes += solution.notes
         solution = limit.told(solution)
         own = steps[number][0] is steps[number - 1][0]
         if good and not solution.status.usable and (number >= len(schedule) or (own and solution.status in ENDED)):
@@ -104,7 +107,8 @@ def solve(
     last = history[-1]
     seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
     meshes = (*history[:-1], replace(last, seconds=seconds))
-    return replace(solution, meshes=meshes, accept=settings.accept, unmet=unmet, stopped=stopped, objective_error=error)
+    solution = replace(solution, meshes=meshes, unmet=unmet, stopped=stopped, notes=notes)
+    return replace(solution, accept=settings.accept, objective_error=error)
 
 
 class _Limit:

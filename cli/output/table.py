@@ -32,6 +32,7 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
+    yield from (("note", note) for note in summary["notes"])
     if summary["stopped"]:
         yield "stopped", summary["stopped"]
     if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:

@@ -44,7 +44,7 @@ class Solution:
 
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
-    objective is from the optimum.
+    objective is from the optimum. notes: what was done beyond what was asked, such as another start.
     """
 
     problem: Problem
@@ -60,6 +60,7 @@ class Solution:
     unmet: tuple[str, ...] = ()
     stopped: str = ""
     objective_error: ObjectiveError = NOT_MEASURED
+    notes: tuple[str, ...] = ()
 
     @property
     def solved(self) -> bool:

@@ -1,0 +1,152 @@
+"""Other first trajectories, for a start that leads nowhere, and what makes a start doubtful.
+
+A start is doubtful where a control has no effect: df/du = 0 along it though f depends on u, as for v sin(theta) where
+v = 0, or for u**3 where u = 0. There the first derivatives do not tell the solver what the control is for, and it may
+stop at a stationary point that is no optimum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from ..problems.probe import depends_on
+from ..problems.problem import Guess, Phase, Problem, Variable
+
+POINTS = 101
+"""Of a simulated trajectory."""
+
+LONGER = 3.0
+"""Times the guessed duration, for a free final time without an upper bound."""
+
+LARGEST = 1e8
+"""Of a simulated state: beyond it a simulation says nothing about an optimum."""
+
+NO_SLOPE = 1e-6
+"""Of a rate with a control: by less than this the control has no effect to speak of."""
+
+TINY = 1e-30
+"""The complex step: the derivative has no subtraction in it, so any tiny number will do."""
+
+
+class OtherStart(NamedTuple):
+    """A first trajectory for each phase, and what it is, in words."""
+
+    words: str
+    guesses: list[Guess]
+
+
+@dataclass(frozen=True)
+class _Change:
+    """level: of the controls, -1 to 1 within their bounds, or their value if they have none; None leaves the guess."""
+
+    words: str
+    level: float | None
+    longer: bool
+
+
+CHANGES = (
+    _Change("a longer final time", None, True),
+    _Change("controls above the middle of their bounds, states simulated", 0.5, False),
+    _Change("controls below the middle of their bounds, states simulated", -0.5, False),
+    _Change("controls above the middle of their bounds, states simulated, a longer final time", 0.5, True),
+)
+
+
+def other_starts(problem: Problem, doubtful: bool) -> Iterator[OtherStart]:
+    """First trajectories that differ from the problem's own.
+
+    doubtful: whether the problem's own start is only doubtful; then just those whose controls differ are worth a try.
+    """
+    free = any(not phase.final_time.fixed for phase in problem.phases)
+    for change in CHANGES:
+        if (change.longer and not free) or (doubtful and (change.level is None or change.longer)):
+            continue
+        yield OtherStart(change.words, [_changed(phase, change) for phase in problem.phases])
+
+
+def _changed(phase: Phase, change: _Change) -> Guess:
+    guess = phase.guess
+    if change.longer and not phase.final_time.fixed:
+        final = guess.initial_time + LONGER * (guess.final_time - guess.initial_time)
+        guess = replace(guess, final_time=phase.final_time.clip(final))
+    if change.level is None or not phase.controls:
+        return guess
+    s = np.linspace(0.0, 1.0, POINTS)
+    values = guess.samples(s)
+    for control in phase.controls:
+        values[control.name] = np.full(POINTS, _at_level(control, change.level))
+    if not phase.algebraic:
+        values |= _simulated(phase, guess, s, values)
+    return replace(guess, s=s, values=values)
+
+
+def _at_level(control: Variable, level: float) -> float:
+    lower, upper = control.bounds.lower, control.bounds.upper
+    if isfinite(lower) and isfinite(upper):
+        return (lower + upper) / 2 + level * (upper - lower) / 2
+    return control.bounds.clip(2 * level)
+
+
+def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """States simulated from their guessed initial values, bent to their given final ones; empty if they run away.
+
+    s: (K,) normalised times. values: name of each state and input -> (K,).
+    """
+    duration = guess.final_time - guess.initial_time
+    t = guess.initial_time + s * duration
+    u = np.array([values[variable.name] for variable in phase.inputs])
+    x = np.empty((len(phase.states), len(s)))
+    x[:, 0] = [state.initial.clip(values[state.name][0]) for state in phase.states]
+    with np.errstate(all="ignore"):
+        for k in range(len(s) - 1):
+            x[:, k + 1] = _runge_kutta_step(phase, t[k], t[k + 1] - t[k], x[:, k], u[:, k], guess)
+    if not (np.abs(x) < LARGEST).all():
+        return {}
+    found = {}
+    for state, curve in zip(phase.states, x, strict=True):
+        missing = state.final.lower - curve[-1] if state.final.fixed else 0.0
+        found[state.name] = np.clip(curve + s * missing, state.bounds.lower, state.bounds.upper)
+    return found
+
+
+def _runge_kutta_step(phase: Phase, t: float, h: float, x: np.ndarray, u: np.ndarray, guess: Guess) -> np.ndarray:
+    """x after a step h of the classical Runge-Kutta method, shape (n_x,), with constant controls u (n_u,)."""
+
+    def f(time: float, state: np.ndarray) -> np.ndarray:
+        return phase.dynamics(np.array([time]), state[:, None], u[:, None], guess.parameters)[:, 0]
+
+    k1 = f(t, x)
+    k2 = f(t + h / 2, x + h / 2 * k1)
+    k3 = f(t + h / 2, x + h / 2 * k2)
+    k4 = f(t + h, x + h * k3)
+    step: np.ndarray = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return step
+
+
+def without_effect(problem: Problem, guesses: Sequence[Guess]) -> list[str]:
+    """The controls that nothing depends on in first order along a first trajectory, though the dynamics do in general.
+
+    guesses: one for each phase, or the trajectories of a solution.
+    """
+    return [
+        control.name
+        for phase, guess in zip(problem.phases, guesses, strict=True)
+        for control in phase.controls
+        if not phase.algebraic and _without_effect(phase, guess, control.name)
+    ]
+
+
+def _without_effect(phase: Phase, guess: Guess, name: str) -> bool:
+    rates = [state.rate for state in phase.states if depends_on(state.rate, {name})]
+    s = np.linspace(0.0, 1.0, POINTS)
+    values = {**guess.samples(s), **guess.parameters}
+    values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
+    values[name] = values[name] + 1j * TINY
+    with np.errstate(all="ignore"):
+        slopes = [np.imag(rate(values, np)) / TINY for rate in rates]
+    return bool(rates) and all((np.abs(slope) <= NO_SLOPE).all() for slope in slopes)
