@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Annotated
 
 import typer
 
+from ...problems.errors import Mistake, SpecError
 from ..errors import NOT_SOLVED, command
 from ..options import Json, Results
 from ..output.printing import cell, print_json, print_table
@@ -16,6 +18,9 @@ def verify(
     results: Results,
     *,
     tol: Annotated[float, typer.Option("--tol", min=0, help="Largest relative error that passes.")] = 5e-2,
+    sample_hold: Annotated[
+        float | None, typer.Option("--sample-hold", metavar="DT", help="Also hold the control for DT between samples.")
+    ] = None,
     json_: Json = False,
 ) -> None:
     """Simulate the found control, check optimality and bounds.
@@ -27,9 +32,12 @@ def verify(
     """
     from ...results.verify import verify as run
 
+    if sample_hold is not None and not 0 < sample_hold < inf:
+        what = f"the interval {sample_hold:g} is no positive number"
+        raise SpecError(Mistake("--sample-hold", what, "write one in the unit of time, such as 0.01"))
     passed = True
     for path in results:
-        checks = run(path, tol)
+        checks = run(path, tol, sample_hold)
         passed &= all(check.passed for check in checks)
         if json_:
             lines = [{**vars(check), "passed": check.passed} for check in checks]

@@ -1,0 +1,1 @@
+"""The checks of `verify`: a reloaded result in, measures with their limits out."""

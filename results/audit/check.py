@@ -1,0 +1,24 @@
+"""One line of the verdict of `verify`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verdict: a measure, relative where the name says so, and the largest value that passes."""
+
+    name: str
+    value: float
+    limit: float
+    where: str = ""
+
+    @property
+    def passed(self) -> bool:
+        return bool(self.value <= self.limit)  # False for NaN
+
+
+def at(t: float) -> str:
+    """A time, for people to read."""
+    return f"t = {t:.4g}"

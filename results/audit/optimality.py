@@ -1,0 +1,166 @@
+"""Whether the first and second order conditions hold at the collocation points, with the stored multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...problems.problem import Phase, Range
+from ..file.reload import Reloaded
+from .check import Check, at
+
+COMPLEX_STEP = 1e-30
+SECOND_STEP = 1e-5  # relative to 1 + the size of a control, of central differences of complex-step derivatives
+NEAR_BOUND = 1e-3  # of the range of a control: a barrier leaves a control that is on a bound as far from it
+ACTIVE = 1e-4  # of the largest multiplier of a constraint over time: what is smaller does not act
+KINDS = {"path": "path", "residual": "residuals", "integral": "integral"}  # of constraints -> attribute of Phase
+
+
+class _Hamiltonian:
+    """H and L of one phase along the collocation points, sums of weight * function, for the minimised objective."""
+
+    def __init__(self, result: Reloaded, number: int):
+        self.trajectory = result.trajectories[number]
+        self.phase: Phase = self.trajectory.phase
+        self.points = self.trajectory.mesh.collocated
+        phase, sense = self.phase, result.problem.sense
+        costate = sense * self.trajectory.point_costate[:, self.points]
+        self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
+        self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
+        self.constraints = []
+        self.equations: list[bool] = []  # whether each of the constraints is one
+        named = {(kind, c.name): c for kind in KINDS for c in getattr(phase, KINDS[kind])}
+        for (kind, name), multiplier in self._multipliers(result).items():
+            constraint = named[kind, name]
+            group = self.terms if kind == "integral" else self.constraints
+            group.append((multiplier, constraint.function))
+            if kind != "integral":
+                self.equations.append(constraint.bounds.fixed)
+
+    def _multipliers(self, result: Reloaded) -> dict:
+        """(kind, name) -> the multiplier function at the points; of an integral constraint, its one multiplier."""
+        mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
+        found: dict = {}
+        for family in result.transcription.families:
+            if family.phase != self.phase.name or family.kind not in KINDS:
+                continue
+            y, key = result.outcome.y[family.rows(result.nlp)], (family.kind, family.name)
+            if family.kind == "integral":
+                found[key] = float(y[0])
+                continue
+            row = found.setdefault(key, np.zeros(len(mesh.fractions)))
+            row[np.searchsorted(mesh.fractions, family.span[:, 0] - 1e-14)] = y / (family.weights * duration)
+        return {key: y if isinstance(y, float) else y[self.points] for key, y in found.items()}
+
+    def values(self) -> dict:
+        t, x, u = (a[..., self.points] for a in (self.trajectory.times, self.trajectory.x, self.trajectory.u))
+        return self.phase.arguments(t, x, u, self.trajectory.parameters)
+
+    def hamiltonian(self, values: dict) -> np.ndarray:
+        """H = w + lambda f, (B.7), and mu g for each integral constraint."""
+        return sum(weight * function(values, np) for weight, function in self.terms)
+
+    def lagrangian(self, values: dict) -> np.ndarray:
+        """L = H + nu g + kappa r."""
+        return self.hamiltonian(values) + sum(weight * function(values, np) for weight, function in self.constraints)
+
+    def normals(self, values: dict) -> np.ndarray:
+        """Derivatives of the constraints that act by the inputs, shape (M, m, n), and 0 where they do not act."""
+        inputs = self.phase.inputs
+        found = np.zeros((len(self.points), len(self.constraints), len(inputs)))
+        for i, (multiplier, function) in enumerate(self.constraints):
+            acts = self.equations[i] | (np.abs(multiplier) > ACTIVE * np.abs(multiplier).max(initial=0.0))
+            for j, variable in enumerate(inputs):
+                slope = self.derivative(lambda v, f=function: f(v, np), values, variable.name)
+                found[:, i, j] = np.where(acts, slope, 0.0)
+        return found
+
+    def derivative(self, function, values: dict, name: str) -> np.ndarray:
+        """Of a function of the values by one of them, by the complex step."""
+        shifted = {**values, name: values[name] + COMPLEX_STEP * 1j}
+        return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
+
+
+def optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Check]:
+    hamiltonian = _Hamiltonian(result, number)
+    values = hamiltonian.values()
+    t = values["t"]
+    yield _hamiltonian_drift(hamiltonian, values, t, tolerance)
+    for variable in hamiltonian.phase.inputs:
+        gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
+        scale = _scale(hamiltonian, values, variable.name)
+        residual = _natural_residual(gradient / scale, values[variable.name], variable.bounds)
+        k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
+        name = f"stationarity dH/d{variable.name}, relative"
+        yield Check(name, float(residual[k]), tolerance, at(t[k]))
+    if hamiltonian.phase.inputs:
+        yield _legendre(hamiltonian, values, t, tolerance)
+
+
+def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
+    """Half the range of H(t) - H(t_0) - integral of dL/dt, which should be 0, relative to the largest term of H."""
+    H = hamiltonian.hamiltonian(values)
+    explicit = hamiltonian.derivative(hamiltonian.lagrangian, values, "t")
+    drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
+    drift -= (drift.max() + drift.min()) / 2
+    scale = max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in hamiltonian.terms) or 1.0
+    k = int(np.argmax(np.abs(drift)))
+    return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, at(t[k]))
+
+
+def _legendre(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
+    """The smallest eigenvalue of d2L/du2 if negative, relative to the largest: over controls inside their bounds, and
+    directions in which no constraint that acts changes."""
+    inputs = hamiltonian.phase.inputs
+    hessian, inside = np.zeros((len(t), len(inputs), len(inputs))), np.ones((len(t), len(inputs)))
+    for j, variable in enumerate(inputs):
+        u = values[variable.name]
+        step = SECOND_STEP * (1 + np.abs(u).max())
+        sides = [{**values, variable.name: u + side * step} for side in (1, -1)]
+        for i, other in enumerate(inputs):
+            up, down = (hamiltonian.derivative(hamiltonian.lagrangian, side, other.name) for side in sides)
+            hessian[:, i, j] = (up - down) / (2 * step)
+        width = variable.bounds.upper - variable.bounds.lower
+        margin = max(step, NEAR_BOUND * width) if np.isfinite(width) else step
+        inside[:, j] = (u - variable.bounds.lower > margin) & (variable.bounds.upper - u > margin)
+    scale = float(np.abs(hessian).max()) or 1.0
+    hessian *= inside[:, :, None] * inside[:, None, :] / scale
+    finite = np.isfinite(hessian).all(axis=(1, 2))  # of other matrices LAPACK may refuse to tell eigenvalues
+    hessian[~finite] = 0.0
+    hessian = _on_tangent(hessian, hamiltonian.normals(values) * inside[:, None, :])
+    lowest = np.linalg.eigvalsh((hessian + hessian.transpose(0, 2, 1)) / 2).min(axis=1)
+    lowest[~finite] = np.nan
+    k = int(np.argmin(lowest))
+    value = float(np.maximum(0.0, -lowest[k])) + 0.0  # NaN stays NaN
+    return Check("d2H/du2 without negative eigenvalues, relative", value, tolerance, at(t[k]))
+
+
+def _on_tangent(hessian: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Matrices (M, n, n) on the directions in which nothing of normals (M, m, n) changes, and 0 in the others."""
+    if not normals.shape[1]:
+        return hessian
+    normals = np.nan_to_num(normals)
+    projector = np.eye(hessian.shape[-1]) - np.linalg.pinv(normals, rcond=1e-8) @ normals
+    return projector @ hessian @ projector
+
+
+def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.ndarray:
+    """How far u is from stationary: the way a step against the relative gradient goes before a bound ends it.
+
+    That is |dL/du| inside the bounds, and 0 on the bound that the step points to; in between, where an interior-point
+    method leaves u, the smaller of |dL/du| and the distance from the bound relative to the range of u.
+    """
+    width = bounds.upper - bounds.lower
+    width = width if 0 < width < np.inf else max(float(np.ptp(u)), 1.0)
+    room = np.where(gradient > 0, u - bounds.lower, bounds.upper - u) / width
+    return np.minimum(np.abs(gradient), np.maximum(room, 0.0))
+
+
+def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
+    """The largest term of dL/du along the trajectory: what its zero is the balance of."""
+    sizes = [
+        np.abs(weight * hamiltonian.derivative(lambda v, f=function: f(v, np), values, name)).max()
+        for weight, function in hamiltonian.terms + hamiltonian.constraints
+    ]
+    return float(max(sizes)) or 1.0
