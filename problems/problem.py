@@ -70,6 +70,11 @@ class Range:
         excess: np.ndarray = np.max([*beyond, np.zeros_like(values)], axis=0)
         return excess
 
+    def beyond(self, values: np.ndarray) -> np.ndarray:
+        """How far values are outside, in their own unit; zero inside."""
+        beyond: np.ndarray = np.maximum(np.maximum(self.lower - values, values - self.upper), 0.0)
+        return beyond
+
 
 @dataclass(frozen=True)
 class Variable:

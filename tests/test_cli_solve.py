@@ -26,7 +26,7 @@ def test_the_table(folder):
     title, *lines = result.stdout.splitlines()
     assert title == "cart-pole swing-up: solved"
     fields = dict(line.split(maxsplit=1) for line in lines)
-    assert list(fields) == ["objective", "error", "optimum", "mesh", "iterations", "seconds", "file"]
+    assert list(fields) == ["objective", "error", "optimum", "bounds", "mesh", "iterations", "seconds", "file"]
     assert fields["objective"] == "58.80542547  (minimize); agrees with the reference 58.805425"
     assert fields["error"].startswith("relative 1.38e-03; max eta 1.27e-02, in v2 on segment 11, t = 0.8 to 0.88")
     assert fields["optimum"] == "58.81 +- 3.3e-01"

@@ -9,6 +9,9 @@ from typing import Any
 from ...results.file.summary import causes
 from .printing import cell, print_field, print_table, print_title
 
+HELD = 1e-7
+"""Of the range of a curve: an excess below this is the engine's tolerance."""
+
 
 def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
@@ -28,6 +31,7 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])
     if summary["solved"]:
         yield "optimum", _optimum(summary)
+        yield "bounds", _bounds(summary["overshoot"])
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
@@ -54,6 +58,18 @@ def _optimum(summary: dict[str, Any]) -> str:
         return f"no error bar: {summary['objective_error_missing']}"
     decimals = min(max(1 - math.floor(math.log10(bar)), 0), 15)
     return f"{summary['objective']:.{decimals}f} +- {bar:.1e}"
+
+
+def _bounds(overshoot: dict[str, Any] | None) -> str:
+    """How far bounds and path constraints are exceeded between the points, in their own unit."""
+    if overshoot is None:
+        return "none to hold"
+    if overshoot["share"] <= HELD:
+        return "held between the points"
+    name, unit = overshoot["name"], f" {overshoot['unit']}" if overshoot["unit"] else ""
+    verb = "are" if name.startswith("bounds") else "is"
+    share = f"{100 * overshoot['share']:.2g} % of its range"
+    return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at t = {overshoot['time']:.4g}"
 
 
 def _reference(summary: dict[str, Any]) -> str:

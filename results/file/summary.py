@@ -53,6 +53,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "inaccurate": missed,
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
+        "overshoot": _overshoot(file),
         "phases": {name: _phase(group) for name, group in file["phase"].items()},
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
@@ -95,6 +96,16 @@ def _error(file: h5py.File) -> dict[str, Any]:
                 "end": phase["knots"][segment + 1],
             }
     return worst
+
+
+def _overshoot(file: h5py.File) -> dict[str, Any] | None:
+    """What exceeds its bounds most between the points, by its share of its range; None if nothing has bounds."""
+    found, prefix = [], "overshoot_"
+    for name, phase in file["phase"].items():
+        told = {k.removeprefix(prefix): v for k, v in phase["error"].attrs.items() if k.startswith(prefix)}
+        if told:
+            found.append({"phase": name, **told})
+    return max(found, key=lambda own: own["share"], default=None)
 
 
 def _phase(group: h5py.Group) -> dict[str, Any]:

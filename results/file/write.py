@@ -13,6 +13,7 @@
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
                                relative (segment) and excess (segment) of bounds, what refinement looks at;
+                               attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
@@ -33,7 +34,7 @@ to disk, and renamed: there is never half a result under the final name, and an 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -49,12 +50,11 @@ import numpy as np
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
 from ...transcription.schemes.runge_kutta import Shooting
+from .arrays import array_of, group_of, scale_of, texts
+from .write_phase import write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
-    from ...problems.problem import Phase, Problem, Variable
-    from ...transcription.solution.error import ErrorProfile
     from ...transcription.solution.solution import MeshRecord, Solution
-    from ...transcription.solution.trajectory import Trajectory
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 MAX_UNMET = 20  # segments told one by one
@@ -153,23 +153,23 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
     name = uuid4().hex  # HDF5 refuses two files in memory of one name, as of two threads
     with h5py.File(name, "w", driver="core", backing_store=False, track_order=True) as file:
         _write_head(file, solution, command)
-        spec = _group(file, "spec")
+        spec = group_of(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
-        spec.attrs["overrides"] = _texts(overrides)
-        phases = _group(file, "phase")
+        spec.attrs["overrides"] = texts(overrides)
+        phases = group_of(file, "phase")
         for number, (trajectory, error) in enumerate(zip(solution.trajectories, solution.errors, strict=True)):
-            group = _group(phases, trajectory.phase.name)
-            _write_phase(group, trajectory, error)
+            group = group_of(phases, trajectory.phase.name)
+            write_phase(group, trajectory, error)
             if solution.objective_error.applies:
                 share, segment = solution.objective_error.shares[number], group["error/segment"]
-                _array(
+                array_of(
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
-            _write_parameters(_group(group, "parameter"), solution.problem, trajectory.parameters)
-        meshes = _group(file, "mesh")
+            write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+        meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
-            _write_mesh(_group(meshes, str(number)), record)
-        _write_solver(_group(file, "solver"), solution)
+            _write_mesh(group_of(meshes, str(number)), record)
+        _write_solver(group_of(file, "solver"), solution)
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
@@ -203,58 +203,8 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
     )
 
 
-def _write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
-    phase, sample = trajectory.phase, trajectory.dense
-    _scale(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
-    points, dense, errors = (_group(group, name) for name in ("points", "dense", "error"))
-    costates = ([], []) if trajectory.costate is None else (trajectory.point_costate, sample.costate)
-    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costates[0])
-    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=costates[1])
-    profiles = _group(dense, "epsilon")
-    for state, epsilon in zip(phase.states, error.epsilon, strict=True):
-        unit = f"{state.unit or '1'}/{phase.time_unit}"
-        _array(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
-    segment = _scale(errors, "segment", np.arange(trajectory.mesh.segments), "index of the segment, from 0")
-    names = _scale(errors, "state", [state.name for state in phase.states], "state")
-    _array(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
-    _array(
-        errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
-    )
-    _array(
-        errors,
-        "excess",
-        error.largest_excess,
-        [segment],
-        "largest excess of bounds and path constraints over 1 + bound",
-    )
-
-
-def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
-    for parameter in problem.parameters:
-        _array(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
-
-
-def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
-    """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
-    time = _scale(group, "time", t, "time", phase.time_unit)
-    n = len(phase.controls)
-    _write_kind(group, "state", phase.states, x, time)
-    _write_kind(group, "control", phase.controls, u[:n], time)
-    _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
-    duals = _group(group, "costate")  # no unit: the objective has none to begin with
-    for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
-        _array(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
-    return time
-
-
-def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
-    curves = _group(group, kind)
-    for variable, values in zip(variables, rows, strict=True):
-        _array(curves, variable.name, values, [time], f"{kind} {variable.name}", unit=variable.unit)
-
-
 def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
-    _scale(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
+    scale_of(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
     group.attrs.update(
         {
             "method": record.mesh.schemes[0].name,
@@ -273,60 +223,33 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     if isinstance(scheme := record.mesh.schemes[0], Shooting):
         group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
-        segment = _scale(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
+        segment = scale_of(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
         degrees = [scheme.degree for scheme in record.mesh.schemes]
         forms = [int(scheme.differential) for scheme in record.mesh.schemes]
-        _array(group, "degree", degrees, [segment], "degree of the method")
-        _array(group, "differential", forms, [segment], "whether the defects are in differential form")
+        array_of(group, "degree", degrees, [segment], "degree of the method")
+        array_of(group, "differential", forms, [segment], "whether the defects are in differential form")
 
 
 def _write_solver(group: h5py.Group, solution: Solution) -> None:
     outcome = solution.outcome
-    records = _group(group, "iterations")
-    iteration = _scale(records, "number", np.arange(len(outcome.iterations["iteration"])), "number of the record")
+    records = group_of(group, "iterations")
+    iteration = scale_of(records, "number", np.arange(len(outcome.iterations["iteration"])), "number of the record")
     for name, values in outcome.iterations.items():
-        _array(records, name, values, [iteration], name.replace("_", " "))
-    unknown = _scale(group, "unknown", np.arange(len(outcome.z)), "unknown of the nonlinear program")
-    constraint = _scale(group, "constraint", np.arange(len(outcome.y)), "constraint of the nonlinear program")
-    _array(group, "z", outcome.z, [unknown], "unknowns")
-    _array(group, "z_lower", outcome.z_lower, [unknown], "multipliers of the lower bounds")
-    _array(group, "z_upper", outcome.z_upper, [unknown], "multipliers of the upper bounds")
-    _array(group, "y", outcome.y, [constraint], "multipliers of the constraints")
+        array_of(records, name, values, [iteration], name.replace("_", " "))
+    unknown = scale_of(group, "unknown", np.arange(len(outcome.z)), "unknown of the nonlinear program")
+    constraint = scale_of(group, "constraint", np.arange(len(outcome.y)), "constraint of the nonlinear program")
+    array_of(group, "z", outcome.z, [unknown], "unknowns")
+    array_of(group, "z_lower", outcome.z_lower, [unknown], "multipliers of the lower bounds")
+    array_of(group, "z_upper", outcome.z_upper, [unknown], "multipliers of the upper bounds")
+    array_of(group, "y", outcome.y, [constraint], "multipliers of the constraints")
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
     group.attrs.update({**outcome.solver, **_seconds(parts)})
-    group.attrs["violations"] = _texts(map(str, solution.violations))
-    group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
+    group.attrs["violations"] = texts(map(str, solution.violations))
+    group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
-    group.attrs["notes"] = _texts(solution.notes)
+    group.attrs["notes"] = texts(solution.notes)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:
     return {f"seconds_{part.replace(' ', '_')}": value for part, value in parts.items()}
-
-
-def _texts(texts: Iterable[str]) -> np.ndarray:
-    """An array of texts even if there are none, which h5py would take for numbers."""
-    return np.array(list(texts), h5py.string_dtype())
-
-
-def _group(parent: h5py.Group, name: str) -> h5py.Group:
-    """A new group that lists its members and attributes in the order of their making."""
-    return parent.create_group(name, track_order=True)
-
-
-def _scale(group: h5py.Group, name: str, values, long_name: str, unit: str = "") -> h5py.Dataset:
-    dataset = _array(group, name, values, [], long_name, unit=unit)
-    dataset.make_scale(name)
-    return dataset
-
-
-def _array(group: h5py.Group, name: str, values, scales, long_name: str, *, unit: str = "") -> h5py.Dataset:
-    """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
-    dataset = group.create_dataset(name, data=values)
-    dataset.attrs["long_name"] = long_name
-    if unit:
-        dataset.attrs["units"] = unit
-    for axis, scale in enumerate(scales):
-        dataset.dims[axis].attach_scale(scale)
-    return dataset

@@ -30,19 +30,31 @@ GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 
+@dataclass(frozen=True)
+class Overshoot:
+    """What exceeds its bounds most: by `amount` in its own unit, a `share` of the range of its curve, at a time."""
+
+    name: str
+    amount: float
+    unit: str
+    time: float
+    share: float
+
+
 @short_repr
 @dataclass(frozen=True)
 class ErrorProfile:
     """epsilon: (n_x, M) on the trajectory's dense grid; eta: (n_x, N) in units of the state.
 
     relative: (N,) the largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger.
-    excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`.
+    excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`. overshoot: the largest.
     """
 
     epsilon: np.ndarray
     eta: np.ndarray
     relative: np.ndarray
     excess: Mapping[str, np.ndarray]
+    overshoot: Overshoot | None = None
 
     @property
     def largest_excess(self) -> np.ndarray:
@@ -62,7 +74,18 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
     shown = [e for e in excesses(trajectory) if not e.algebraic]
     excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
-    return ErrorProfile(_epsilon(trajectory, sample), eta, relative, excess)
+    return ErrorProfile(_epsilon(trajectory, sample), eta, relative, excess, _overshoot(shown, sample.t))
+
+
+def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
+    """The largest excess by its share of the range of what is bounded; None if nothing has bounds."""
+    found = []
+    for e in shown:
+        k = int(np.argmax(e.beyond))
+        amount = float(e.beyond[k])
+        share = amount / e.span if e.span > 0 else float(amount > 0)
+        found.append(Overshoot(e.name, amount, e.unit, float(t[k]), share))
+    return max(found, key=lambda own: own.share, default=None)
 
 
 def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
@@ -132,12 +155,16 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
 class Excess:
     """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the dense grid.
 
+    beyond: (M,) the same in its own unit, and span: the range of what is bounded. unit: "" if none is known.
     algebraic: whether it is an algebraic variable, or an equation, as that between slack variables.
     """
 
     name: str
     values: np.ndarray
     algebraic: bool
+    beyond: np.ndarray
+    span: float
+    unit: str = ""
 
 
 def excesses(trajectory: Trajectory) -> Iterator[Excess]:
@@ -146,11 +173,15 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
     values = phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     for variable in (*phase.states, *phase.inputs):
         if variable.bounds != Range():
-            excess = variable.bounds.excess(values[variable.name])
-            yield Excess(f"bounds of {variable.name}", excess, variable in phase.algebraic)
+            curve, bounds = values[variable.name], variable.bounds
+            yield Excess(
+                f"bounds of {variable.name}", bounds.excess(curve), variable in phase.algebraic,
+                bounds.beyond(curve), float(np.ptp(curve)), variable.unit,
+            )  # fmt: skip
     for constraint in phase.path:
         g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
-        yield Excess(f"path constraint '{constraint.name}'", constraint.bounds.excess(g), constraint.bounds.fixed)
+        bounds, name = constraint.bounds, f"path constraint '{constraint.name}'"
+        yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), float(np.ptp(g)))
 
 
 def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:

@@ -1,0 +1,38 @@
+"""Groups, dimension scales and arrays of a result file, as h5py makes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def texts(texts: Iterable[str]) -> np.ndarray:
+    """An array of texts even if there are none, which h5py would take for numbers."""
+    return np.array(list(texts), h5py.string_dtype())
+
+
+def group_of(parent: h5py.Group, name: str) -> h5py.Group:
+    """A new group that lists its members and attributes in the order of their making."""
+    return parent.create_group(name, track_order=True)
+
+
+def scale_of(group: h5py.Group, name: str, values: ArrayLike, long_name: str, unit: str = "") -> h5py.Dataset:
+    dataset = array_of(group, name, values, [], long_name, unit=unit)
+    dataset.make_scale(name)
+    return dataset
+
+
+def array_of(
+    group: h5py.Group, name: str, values: ArrayLike, scales: Sequence[h5py.Dataset], long_name: str, *, unit: str = ""
+) -> h5py.Dataset:
+    """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
+    dataset = group.create_dataset(name, data=values)
+    dataset.attrs["long_name"] = long_name
+    if unit:
+        dataset.attrs["units"] = unit
+    for axis, scale in enumerate(scales):
+        dataset.dims[axis].attach_scale(scale)
+    return dataset

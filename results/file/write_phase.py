@@ -1,0 +1,75 @@
+"""One phase of a result file: its curves, its error, its optimised parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+from .arrays import array_of, group_of, scale_of
+
+if TYPE_CHECKING:
+    from ...problems.problem import Phase, Problem, Variable
+    from ...transcription.solution.error import ErrorProfile
+    from ...transcription.solution.trajectory import Trajectory
+
+
+def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
+    phase, sample = trajectory.phase, trajectory.dense
+    scale_of(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
+    points, dense, errors = (group_of(group, name) for name in ("points", "dense", "error"))
+    costates = ([], []) if trajectory.costate is None else (trajectory.point_costate, sample.costate)
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costates[0])
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=costates[1])
+    profiles = group_of(dense, "epsilon")
+    for state, epsilon in zip(phase.states, error.epsilon, strict=True):
+        unit = f"{state.unit or '1'}/{phase.time_unit}"
+        array_of(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
+    segment = scale_of(errors, "segment", np.arange(trajectory.mesh.segments), "index of the segment, from 0")
+    names = scale_of(errors, "state", [state.name for state in phase.states], "state")
+    array_of(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
+    array_of(
+        errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
+    )
+    array_of(
+        errors,
+        "excess",
+        error.largest_excess,
+        [segment],
+        "largest excess of bounds and path constraints over 1 + bound",
+    )
+    if worst := error.overshoot:
+        told = {
+            "name": worst.name,
+            "amount": worst.amount,
+            "unit": worst.unit,
+            "time": worst.time,
+            "share": worst.share,
+        }
+        errors.attrs.update({f"overshoot_{key}": value for key, value in told.items()})
+
+
+def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
+    for parameter in problem.parameters:
+        array_of(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
+
+
+def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
+    """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
+    time = scale_of(group, "time", t, "time", phase.time_unit)
+    n = len(phase.controls)
+    _write_kind(group, "state", phase.states, x, time)
+    _write_kind(group, "control", phase.controls, u[:n], time)
+    _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
+    duals = group_of(group, "costate")  # no unit: the objective has none to begin with
+    for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
+        array_of(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
+    return time
+
+
+def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
+    curves = group_of(group, kind)
+    for variable, values in zip(variables, rows, strict=True):
+        array_of(curves, variable.name, values, [time], f"{kind} {variable.name}", unit=variable.unit)

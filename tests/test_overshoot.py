@@ -1,0 +1,48 @@
+"""What is exceeded between the points stands in the table, in its own unit."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import trajopt
+
+from trajopt.problems.problem import Range
+
+DISC = """
+trajopt: 1
+name: disc
+time: {initial: 0, final: 1}
+states:
+  x: {unit: m, rate: u, initial: 0, final: 1}
+  y: {unit: m, rate: w, initial: 0, final: 0}
+controls: {u: {unit: m/s}, w: {unit: m/s}}
+constraints: {path: [{name: disc, expression: (x - 0.5)**2 + y**2, lower: 0.04}]}
+objective: {minimize: {integral: u**2 + w**2}}
+guess: {keyframes: {y: [0, 0.4, 0]}}
+mesh: [{method: trapezoid, segments: 5}]
+"""
+
+
+def test_a_cut_corner_is_told_in_its_unit_and_as_a_share(folder):
+    (folder / "disc.yaml").write_text(DISC)
+    run = trajopt("solve", "disc.yaml")
+    (line,) = (line for line in run.stdout.splitlines() if line.startswith("bounds"))
+    assert line.startswith("bounds      path constraint 'disc' is exceeded by 0.0")
+    summary = json.loads(trajopt("show", "disc.h5", "--json").stdout)
+    overshoot = summary["overshoot"]
+    assert overshoot["name"] == "path constraint 'disc'" and overshoot["phase"] == "main"
+    assert 0.001 < overshoot["amount"] < 0.04 and 0 < overshoot["time"] < 1
+    assert f"{100 * overshoot['share']:.2g} % of its range" in line
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("shot_put", "none to hold"), ("bryson_denham", "held between the points")]
+)
+def test_what_holds_is_said_to(name, words, folder):
+    run = trajopt("solve", name)
+    assert f"bounds      {words}" in run.stdout.splitlines()
+
+
+def test_beyond_is_in_the_unit_of_the_values():
+    assert Range(-1, 2).beyond(np.array([-3.0, 0.0, 2.5])) == pytest.approx([2, 0, 0.5])
+    assert Range().beyond(np.array([1e300])) == pytest.approx([0])
