@@ -9,7 +9,7 @@ from typing import Any
 from ...results.file.summary import causes
 from .printing import cell, print_field, print_table, print_title
 
-HELD = 1e-7
+HELD = 1e-6
 """Of the range of a curve: an excess below this is the engine's tolerance."""
 
 
