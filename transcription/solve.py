@@ -13,6 +13,7 @@ from ..problems.problem import Problem
 from .engines.outcome import Status
 from .one_mesh import Origin, Watch, solve_mesh
 from .refinement.refine import MERGING_MESHES, refine
+from .retries import stationary, with_other_starts
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
 from .solution.objective_error import objective_error
@@ -59,12 +60,17 @@ def solve(
     the problem's own. progress: called with the number of the solve and the engine's record of each iteration. stop:
     asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
     told by the status; one on a refined mesh ends refinement, and the solution before it is kept. The history tells of
-    every mesh solved, a coarse one before a large first one too.
+    every mesh solved, a coarse one before a large first one too. Where the first solve fails, or a control has no effect
+    along the problem's own guess, other starts are tried (see `retries`).
     """
     steps, history, unmet, stopped = planned(problem, schedule), [], (), ""
+    notes: list[str] = []
     start, good = Origin(guess, None), None
     for number in count():
         solution, solved = solve_mesh(*steps[number], settings, start, Watch(progress, stop, len(history)))
+        if number == 0 and guess is None:
+            solution, solved = with_other_starts(steps[0], settings, (solution, solved), stop)
+        notes += [solution.note] if solution.note else []
         if good and not solution.status.usable and solution.status is not Status.INTERRUPTED:
             failed = solution.meshes[-1]
             stopped = f"the next mesh, of {failed.mesh.segments} segments, failed: {failed.status.message}"
@@ -89,7 +95,10 @@ def solve(
     last = history[-1]
     seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
     meshes = (*history[:-1], replace(last, seconds=seconds))
-    return replace(solution, meshes=meshes, accept=settings.accept, unmet=unmet, stopped=stopped, objective_error=error)
+    if solution.status.usable and (warning := stationary(solution)):
+        notes.append(warning)
+    told = {"unmet": unmet, "stopped": stopped, "note": "; ".join(notes)}
+    return replace(solution, meshes=meshes, accept=settings.accept, objective_error=error, **told)
 
 
 def _refined(

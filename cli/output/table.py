@@ -33,6 +33,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
     if summary["stopped"]:
         yield "stopped", summary["stopped"]
+    if summary["note"]:
+        yield "note", summary["note"]
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     count = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")

@@ -46,6 +46,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "unmet": list(solver["unmet"]),
         "unmet_count": solver["unmet_count"],
         "stopped": solver["stopped"],
+        "note": solver.get("note", ""),
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "phases": {name: _phase(group) for name, group in file["phase"].items()},

@@ -297,6 +297,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
+    group.attrs["note"] = solution.note
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

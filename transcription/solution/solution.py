@@ -41,7 +41,7 @@ class Solution:
 
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
-    objective is from the optimum.
+    objective is from the optimum. note: which other starts were tried, and what the result itself gives to suspect.
     """
 
     problem: Problem
@@ -56,6 +56,7 @@ class Solution:
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
     stopped: str = ""
+    note: str = ""
     objective_error: ObjectiveError = NOT_MEASURED
 
     @property
