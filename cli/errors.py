@@ -15,7 +15,7 @@ from .options import SHORT_FORMS
 from .output.printing import one_line
 from .streams import flushed_output
 
-NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE = 1, 2, 3
+NOT_SOLVED, USER_MISTAKE, FILE_TROUBLE, TOLERANCE_MISSED = 1, 2, 3, 4
 
 P = ParamSpec("P")
 

@@ -13,6 +13,7 @@ SHORT_FORMS = {
     "mesh.-1.segments": "--segments",
     "mesh.-1.tolerance": "--tol",
     "refine.tolerance": "--refine",
+    "solver.seconds": "--time-limit",
 }
 """Options that stand for an override, by its path; messages name the option."""
 
@@ -31,8 +32,13 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an existing file, 
 
 
 def overrides(
-    set_: Sequence[str], method: str | None, segments: str | None, tol: str | None = None, refine: str | None = None
+    set_: Sequence[str],
+    method: str | None,
+    segments: str | None,
+    tol: str | None = None,
+    refine: str | None = None,
+    time_limit: str | None = None,
 ) -> list[str]:
     """The short forms as overrides, after those of --set; they are checked as these are."""
-    values = (method, segments, tol, refine)
+    values = (method, segments, tol, refine, time_limit)
     return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]

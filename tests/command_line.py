@@ -8,6 +8,7 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from trajopt.cli.app import app
+from trajopt.cli.errors import TOLERANCE_MISSED
 
 TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]  # the console script, in any environment
 
@@ -33,10 +34,14 @@ def process(*arguments, **options):
 
 
 def solved_once(path: Path, *arguments, code: int = 0) -> Path:
-    """The result file at `path`, made by `trajopt solve *arguments` when it is first asked for."""
+    """The result file at `path`, made by `trajopt solve *arguments` when it is first asked for.
+
+    code: that it ends with; a solved problem may have missed its tolerance, as on the coarse meshes of tests.
+    """
     if not path.exists():
         run = trajopt("solve", *arguments, "-q", "-o", path)
-        assert run.exit_code == code and path.exists(), run.output
+        codes = (code, TOLERANCE_MISSED) if code == 0 else (code,)
+        assert run.exit_code in codes and path.exists(), run.output
     return path
 
 

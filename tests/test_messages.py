@@ -31,7 +31,7 @@ FULL = {
         {"method": "radau", "segments": [1, 2], "tolerance": 1e-6, "degree": [3, 4], "form": "integral"},
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
     ],
-    "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "max_iter": 100},
+    "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "seconds": 60, "max_iter": 100},
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
 }
 # Keys that exclude others of the full file.

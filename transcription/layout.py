@@ -18,9 +18,10 @@ from .schemes.mesh import Mesh
 class Family:
     """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
 
-    kind: "defect", "residual", "path", "bound" (of a state that is no variable), "boundary" or "integral". name: of the
-    state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights
-    of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
+    kind: "defect", "residual", "path", "path end" (of a path constraint at an end that is no collocation point),
+    "bound" (of a state that is no variable), "boundary" or "integral". name: of the state or the constraint. span:
+    (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights of the points of a constraint
+    that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
     component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 

@@ -57,6 +57,7 @@ class Settings:
     """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
     whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
     scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
+    seconds: time limit for all meshes, or None.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -65,6 +66,7 @@ class Settings:
     refine: Refine | None = None
     scaling: Mapping[str, float] | None = None
     coarse_start: bool = True
+    seconds: float | None = None
 
     @property
     def engine_solve(self) -> Callable[..., Outcome]:
@@ -88,4 +90,5 @@ def settings_of(spec: Spec) -> Settings:
         refine=Refine(spec.refine.tolerance, spec.refine.max_meshes) if spec.refine else None,
         scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
         coarse_start=spec.solver.coarse_start,
+        seconds=spec.solver.seconds,
     )

@@ -7,22 +7,29 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import count
+from math import inf
+
+import numpy as np
 
 from ..problems.errors import SpecError
 from ..problems.problem import Problem
 from .engines.outcome import Status
+from .first_mesh import solve_first_mesh
 from .one_mesh import Origin, Watch, solve_mesh
 from .refinement.refine import MERGING_MESHES, refine
 from .retries import stationary, with_other_starts
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
 from .solution.objective_error import objective_error
-from .solution.solution import Solution
+from .solution.solution import MeshRecord, Solution
 from .transcribe import refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
 on the mesh before, if that is less; with more the engine takes the interpolated start, which is smooth, for good."""
+
+ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
+"""Statuses of a solve that was told to end, and how a mesh is called that ended so."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -59,21 +66,20 @@ def solve(
     problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
     the problem's own. progress: called with the number of the solve and the engine's record of each iteration. stop:
     asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
-    told by the status; one on a refined mesh ends refinement, and the solution before it is kept. The history tells of
-    every mesh solved, a coarse one before a large first one too. Where the first solve fails, or a control has no effect
-    along the problem's own guess, other starts are tried (see `retries`).
+    told by the status; one on a refined mesh ends refinement, and the solution before it is kept. So it is when a later
+    mesh of the same problem is interrupted or runs out of time. The history tells of every mesh solved, a coarse one
+    before a large first one too.
     """
-    steps, history, unmet, stopped = planned(problem, schedule), [], (), ""
-    notes: list[str] = []
-    start, good = Origin(guess, None), None
+    steps, history, unmet, stopped, notes = planned(problem, schedule), [], (), "", ()
+    start, good, limit = Origin(guess, None), None, _Limit(settings.seconds, stop)
     for number in count():
-        solution, solved = solve_mesh(*steps[number], settings, start, Watch(progress, stop, len(history)))
-        if number == 0 and guess is None:
-            solution, solved = with_other_starts(steps[0], settings, (solution, solved), stop)
-        notes += [solution.note] if solution.note else []
-        if good and not solution.status.usable and solution.status is not Status.INTERRUPTED:
-            failed = solution.meshes[-1]
-            stopped = f"the next mesh, of {failed.mesh.segments} segments, failed: {failed.status.message}"
+        own_solve = solve_mesh if number else solve_first_mesh
+        solution, solved = own_solve(*steps[number], settings, start, Watch(progress, limit.reached, len(history)))
+        notes += solution.notes
+        solution = limit.told(solution)
+        own = steps[number][0] is steps[number - 1][0]
+        if good and not solution.status.usable and (number >= len(schedule) or (own and solution.status in ENDED)):
+            stopped = _why_stopped(solution.meshes[-1])
             solution, solved = good
             break
         history.extend(solution.meshes)
@@ -81,24 +87,63 @@ def solve(
             unmet = ()  # they are of the mesh before
             break
         start = Origin(solution.trajectories, solved)
+        good = solution, solved
         after = number + 1 - len(schedule)
         if after >= 0 and settings.refine:
-            good = solution, solved
+            if stopped := _unmeasurable(solution):
+                break
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
             exact = min(schedule[-1].tolerance, settings.refine.tolerance)  # what is looser shows in the error
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left)
             steps += more
         if number + 1 == len(steps):
             break
+        if limit.reached():
+            stopped = (
+                "interrupted before the next mesh" if stop and stop() else "the time limit came before the next mesh"
+            )
+            break
     began = time.perf_counter()
     error = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
     last = history[-1]
     seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
     meshes = (*history[:-1], replace(last, seconds=seconds))
-    if solution.status.usable and (warning := stationary(solution)):
-        notes.append(warning)
-    told = {"unmet": unmet, "stopped": stopped, "note": "; ".join(notes)}
-    return replace(solution, meshes=meshes, accept=settings.accept, objective_error=error, **told)
+    solution = replace(solution, meshes=meshes, unmet=unmet, stopped=stopped, notes=notes)
+    return replace(solution, accept=settings.accept, objective_error=error)
+
+
+class _Limit:
+    """When a solve has to end: at the time limit, in seconds from now, or when `stop` says so."""
+
+    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None):
+        self.end, self.stop = inf if seconds is None else time.monotonic() + seconds, stop
+
+    def reached(self) -> bool:
+        return self._asked() or time.monotonic() > self.end
+
+    def _asked(self) -> bool:
+        return self.stop is not None and self.stop()
+
+    def told(self, solution: Solution) -> Solution:
+        """The solution, whose status tells the time limit from an interruption."""
+        if solution.status is not Status.INTERRUPTED or self._asked():
+            return solution
+        meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
+        return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)
+
+
+def _why_stopped(mesh: MeshRecord) -> str:
+    """Why a mesh that was not solved has no solution."""
+    what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
+    return f"the next mesh, of {mesh.mesh.segments} segments, {what}"
+
+
+def _unmeasurable(solution: Solution) -> str:
+    """Why no refinement can help: residuals that do not determine the rates leave no error to measure; or ""."""
+    implicit = [e for t, e in zip(solution.trajectories, solution.errors, strict=True) if t.phase.algebraic]
+    if any(not np.isfinite(error.relative).any() for error in implicit):
+        return "the residuals do not determine the rates (index above 1), so the error cannot be estimated"
+    return ""
 
 
 def _refined(

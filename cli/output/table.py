@@ -13,7 +13,8 @@ from .printing import cell, print_field, print_table, print_title
 def print_summary(summary: dict[str, Any]) -> None:
     """The short table: status, objective, error, iterations, seconds by part, file; and what to do if it failed."""
     solved = summary["solved"]
-    print_title(f"{summary['problem']}: {'solved' if solved else 'NOT SOLVED'}", solved)
+    verdict = "NOT SOLVED" if not solved else "solved, tolerance missed" if summary["inaccurate"] else "solved"
+    print_title(f"{summary['problem']}: {verdict}", verdict == "solved")
     for name, text in _rows(summary):
         print_field(name, text)
 
@@ -31,10 +32,11 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
+    yield from (("note", note) for note in summary["notes"])
     if summary["stopped"]:
         yield "stopped", summary["stopped"]
-    if summary["note"]:
-        yield "note", summary["note"]
+    if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:
+        yield "accuracy", summary["inaccurate"]
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     count = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")

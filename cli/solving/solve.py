@@ -16,7 +16,7 @@ import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...transcription.loading import build_checked, load_all
-from ..errors import NOT_SOLVED, command
+from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
 from ..options import Files, Force, Json, Method, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..signals import Stop
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
 Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
 RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
+TimeLimit = Annotated[str, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
@@ -46,6 +47,7 @@ def solve(
     segments: Segments = None,
     tol: Tolerance = None,
     refine: RefineTo = None,
+    time_limit: TimeLimit = None,
     guess: GuessFile = None,
     json_: Json = False,
     quiet: Quiet = False,
@@ -60,7 +62,7 @@ def solve(
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved.
     """
-    specs = load_all(files, overrides(set_, method, segments, tol, refine))
+    specs = load_all(files, overrides(set_, method, segments, tol, refine, time_limit))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
@@ -79,7 +81,7 @@ def solve(
                 print(f"picture: {draw_trajectory(path, force)}", file=sys.stderr)
             if stop():
                 raise typer.Exit(stop.exit_code)
-            code = code if solution.solved else NOT_SOLVED
+            code = NOT_SOLVED if not solution.solved else code or (TOLERANCE_MISSED if solution.inaccurate else 0)
     raise typer.Exit(code)
 
 

@@ -21,6 +21,7 @@ from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
+from .ends import impossible_at_ends
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
@@ -70,6 +71,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     if whole and not checker.errors:
         checker.objective()
         checker.constant_constraints()
+        checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.unused()
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings

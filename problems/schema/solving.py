@@ -117,6 +117,17 @@ class Solver(Entry):
         True, description="solve a large first mesh from the solution on a coarse one (default), or from the guess"
     )
 
+    seconds: Number | None = Field(
+        None, description="time limit for all meshes, in seconds; the last mesh that was solved is kept; default none"
+    )
+
+    @field_validator("seconds")
+    @classmethod
+    def _positive(cls, value: float | None) -> float | None:
+        if value is not None and not value > 0:
+            raise mistake(f"the time limit {value:g} is not positive", "write a number of seconds such as 60")
+        return value
+
     @property
     def options(self) -> dict[str, int | float | str]:
         return dict(self.model_extra or {})

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...transcription.solution.solution import inaccurate
 from .write import open_result
 
 
@@ -38,6 +39,8 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
     solver = file["solver"].attrs
     seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
     meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]
+    error = meshes[-1]["relative_error"]
+    missed = inaccurate(int(solver["unmet_count"]), solver["stopped"], error) if head["solved"] else ""
     return {
         "file": str(path),
         **head,
@@ -46,7 +49,8 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "unmet": list(solver["unmet"]),
         "unmet_count": solver["unmet_count"],
         "stopped": solver["stopped"],
-        "note": solver.get("note", ""),
+        "notes": list(solver.get("notes", ())),  # results of older versions have none
+        "inaccurate": missed,
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "phases": {name: _phase(group) for name, group in file["phase"].items()},

@@ -21,8 +21,8 @@
     /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: engine, every option, seconds_<part> (over all meshes), violations,
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
-                               (why a mesh after the last is missing), note (other starts
-                               that were tried), scaling (sizes of the automatic one, JSON)
+                               (why a mesh after the last is missing), notes (what was done beyond what was asked, as
+                               another start), scaling (sizes of the automatic one, JSON)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -298,7 +298,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["unmet"] = _texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
-    group.attrs["note"] = solution.note
+    group.attrs["notes"] = _texts(solution.notes)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

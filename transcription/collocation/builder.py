@@ -16,6 +16,8 @@ import pyomo.core as pyomo
 from pyomo.core import Any as AnyValue
 from pyomo.core import Constraint, Param, RangeSet, Set, Var
 
+from ...problems.probe import depends_on, names_asked
+from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Phase, Range
 from ..layout import Family
 from ..program.templates import item
@@ -184,6 +186,7 @@ class PhaseBuilder:
             self._everywhere(f"residual{i}", residual, "residual")
         for i, constraint in enumerate(self.phase.path):
             self._everywhere(f"path{i}", constraint, "path")
+        self._path_at_ends()
         self._bounds_of_computed_states()
         for i, constraint in enumerate(self.phase.boundary):
 
@@ -219,6 +222,32 @@ class PhaseBuilder:
 
             self._at_place(component, place, relation, kind, constraint.name)
 
+    def _path_at_ends(self) -> None:
+        """Path constraints on the states alone hold at both ends, also where an end is no collocation point."""
+        for end, s in (("initial", 0.0), ("final", 1.0)):
+            last = end == "final"
+            if (self.last if last else 0) in self.mesh.collocated:
+                continue
+            for i, constraint in enumerate(self.phase.path):
+                if not self._open_at(end, constraint):
+                    continue
+
+                def rule(block, *, c=constraint, last=last):  # Pyomo takes a positional one for an index
+                    values = self.end_values(last)
+                    values["t"] = block.tF if last else block.t0
+                    values.update({variable.name: 0.0 for variable in self.phase.inputs})  # g does not depend on them
+                    return _between(c.bounds, c.function(values, pyomo))
+
+                self.add(f"path{i}_{end}", None, rule, "path end", constraint.name, (s, s))
+
+    def _open_at(self, end: str, constraint: PathConstraint) -> bool:
+        """Whether a path constraint says something about an end: on states that are not all given there."""
+        phase, asked = self.phase, names_asked(constraint.function)
+        given = {state.name for state in phase.states if getattr(state, end).fixed}
+        given |= {"t"} if getattr(phase, f"{end}_time").fixed else set()
+        inputs = {variable.name for variable in phase.inputs}
+        return not asked <= given | inputs and not depends_on(constraint.function, inputs)
+
     def _bounds_of_computed_states(self) -> None:
         for place in self.places():
             for name, bounds in place.computed.items():
@@ -250,23 +279,11 @@ class PhaseBuilder:
         return total
 
 
-class _Probe(dict):
-    """Values of no meaning that remember which names are asked for."""
-
-    def __missing__(self, name: str) -> np.float64:
-        self[name] = np.float64(0.5)
-        return self[name]
-
-
 def _uses_time(phase: Phase) -> bool:
     """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
-    probe = _Probe()
     constraints = (*phase.residuals, *phase.path, *phase.integral)
     functions = [state.rate for state in phase.states] + [c.function for c in constraints]
-    with np.errstate(all="ignore"):
-        for function in functions + [phase.lagrange] * (phase.lagrange is not None):
-            function(probe, np)
-    return "t" in probe
+    return any("t" in names_asked(function) for function in functions + [phase.lagrange] * (phase.lagrange is not None))
 
 
 def bound(variable, bounds: Range, value: float) -> None:

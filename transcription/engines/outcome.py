@@ -37,6 +37,11 @@ class Status(Enum):
     )
     INTERRUPTED = (5, "interrupted; this is the last iterate", "go on from this result with --guess, or run it again")
     FEASIBLE = (6, "found a feasible point of a problem without freedom left to optimise", "")
+    TIME_LIMIT = (
+        -1001,  # not IPOPT's: it was asked to stop
+        "ran out of the time it was given; this is the last iterate",
+        "raise --time-limit, or 'solver: {seconds: ...}'; go on from this result with --guess",
+    )
     MAX_ITERATIONS = (
         -1,
         "ran out of iterations",

@@ -34,6 +34,7 @@ KINDS = {
     "defect": "Defect of {}",
     "residual": "Residual {}",
     "path": "Path constraint {}",
+    "path end": "Path constraint {}",
     "bound": "Bounds of {}",
     "boundary": "Boundary constraint {}",
     "integral": "Integral constraint {}",

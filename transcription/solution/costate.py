@@ -28,6 +28,7 @@ from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
 from ..program.compiler import CompiledNLP
 from ..schemes.scheme import FiniteDifference
+from .end_masses import without_end_masses
 from .trajectory import Trajectory
 
 
@@ -40,6 +41,7 @@ def with_costates(
     """
     if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
         return tuple(trajectories)
+    outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome.y))
     if transcription.model is None:
         costates = nlp.costates(outcome)
     else:

@@ -28,6 +28,7 @@ KINDS = {
     "defect": "the dynamics of {}",
     "residual": "residual '{}'",
     "path": "path constraint '{}'",
+    "path end": "path constraint '{}'",
     "bound": "the bounds of {}",
     "boundary": "boundary constraint '{}'",
     "integral": "integral constraint '{}'",
@@ -134,7 +135,7 @@ def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, 
         acting = [f.span[np.abs(outcome.y[f.rows(nlp)]) / f.weights > limit] for f in same]
         s = np.concatenate(acting).ravel()
         if len(s):
-            over_time = key[1] in ("path", "bound")
+            over_time = key[1] in ("path", "path end", "bound")
             yield _what(*key) + (_when(*_times(phases[key[0]], np.array([s.min(), s.max()]))) if over_time else "")
 
 

@@ -83,8 +83,9 @@ def _eta(trajectory: Trajectory) -> np.ndarray:
             eta[:, open_] = trajectory.h[open_] * fine
             change = trajectory.h[open_] * np.abs(fine - coarse)
             scale = eta[:, group.segments].max(axis=1, keepdims=True)
-            settled = (change <= ROMBERG_TOLERANCE * scale + EPSILON_FLOOR).all(axis=0)
-            open_ = open_[~settled]
+            # What is not finite is as settled as it gets.
+            unsettled = np.isfinite(change) & (change > ROMBERG_TOLERANCE * scale + EPSILON_FLOOR)
+            open_ = open_[unsettled.any(axis=0)]
             if not len(open_):
                 break
     return eta

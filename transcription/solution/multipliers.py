@@ -17,20 +17,20 @@ two; it is taken as 1 in these units.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Phase, Range
+from ...problems.probe import depends_on
+from ...problems.problem import Function, Phase, Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome
-from ..layout import Layout, Transcription, bounded_start
+from ..layout import Family, Layout, Transcription, bounded_start
 from ..schemes.runge_kutta import Shooting
-
-Function = Callable[[Mapping[str, Any], Any], Any]
+from .end_masses import inputs_of, without_end_masses
 
 
 @short_repr
@@ -114,6 +114,11 @@ class Multipliers:
             sides.append((np.where(none, 0.0, z), np.where(none, 0.0, slack), np.where(none, 0.0, bound)))
         return sides
 
+    @cached_property
+    def over_time(self) -> np.ndarray:
+        """Multipliers of the rows, shape (m,), without what path constraints do at the ends only."""
+        return without_end_masses(self.transcription, self.nlp, self.outcome.y)
+
     @property
     def gap(self) -> float:
         """The sum of multiplier times slack over all inequalities."""
@@ -137,12 +142,21 @@ class Multipliers:
         ends = [(layout.t, layout.x[:, 0], layout.x[:, -1]) for layout in t.phases]
         places = np.unique(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
         places = places[places >= 0]
-        single = [f.rows(self.nlp) for f in t.families if f.kind in ("boundary", "integral")]
+        single = [f.rows(self.nlp) for f in t.families if f.kind in ("path end", "boundary", "integral")]
+        single += [f.rows(self.nlp)[_at_an_end(f)] for f in t.families if f.kind == "path" and self._of_states_alone(f)]
         rows = np.concatenate([np.zeros(0, int), *single])
         total = 0.0
         for (z, s, bound), own in zip(self.sides, (places, places, rows), strict=True):
             total -= float((self.acting(z[own], s[own], bound[own]) * z[own] * s[own]).sum())
         return total
+
+    def _of_states_alone(self, family: Family) -> bool:
+        phases = (layout.phase for layout in self.transcription.phases)
+        return any(
+            phase.name == family.phase and c.name == family.name and not _depends_on_inputs(phase, c.function)
+            for phase in phases
+            for c in phase.path
+        )
 
     # -- over time ---------------------------------------------------------------------------------------------------
 
@@ -153,7 +167,7 @@ class Multipliers:
         if not same:
             return (np.zeros(0),) * 3
         s = np.concatenate([f.span[:, 0] for f in same])
-        y = np.concatenate([self.outcome.y[f.rows(self.nlp)] for f in same])
+        y = np.concatenate([self.over_time[f.rows(self.nlp)] for f in same])
         weights = np.concatenate([f.weights for f in same])
         order = np.argsort(s, kind="stable")
         return s[order], y[order], weights[order]
@@ -183,7 +197,7 @@ class Multipliers:
         if not phase.controls:
             return found
         for c in phase.path:
-            if _asks_for_inputs(phase, c.function):
+            if _depends_on_inputs(phase, c.function):
                 s, y, weights = self.of_rows(phase, "path", c.name)
                 found.append(Density(c.function, c.bounds, s, y / (weights * duration)))
         weights = layout.mesh.weights
@@ -209,7 +223,7 @@ class Multipliers:
                     mass = np.concatenate([sign * z[places[inside]], np.where(sign * y > 0, y, 0.0)])
                     yield Measure(_value_of(state.name), bound, times[order], mass[order])
         for c in phase.path:
-            if phase.controls and _asks_for_inputs(phase, c.function):
+            if phase.controls and _depends_on_inputs(phase, c.function):
                 continue
             s, y, _ = self.of_rows(phase, "path", c.name)
             if c.bounds.fixed:
@@ -220,20 +234,14 @@ class Multipliers:
                     yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0))
 
 
-class _Asked(dict):
-    """Values of no meaning that remember which names are asked for."""
-
-    def __missing__(self, name: str) -> np.float64:
-        self[name] = np.float64(0.5)
-        return self[name]
-
-
-def _asks_for_inputs(phase: Phase, function: Function) -> bool:
-    asked = _Asked()
-    with np.errstate(all="ignore"):
-        function(asked, np)
-    return any(variable.name in asked for variable in phase.inputs)
+def _depends_on_inputs(phase: Phase, function: Function) -> bool:
+    return depends_on(function, inputs_of(phase))
 
 
 def _value_of(name: str) -> Function:
     return lambda values, functions: values[name]
+
+
+def _at_an_end(family: Family) -> np.ndarray:
+    """Which rows of a family hold at the initial or the final time, shape (M,)."""
+    return np.isin(family.span[:, 0], (0.0, 1.0))

@@ -14,6 +14,9 @@ from .error import ErrorProfile
 from .objective_error import ObjectiveError
 from .trajectory import Trajectory
 
+LARGEST_ERROR = 1e-2
+"""Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
+
 NOT_MEASURED = ObjectiveError(why_not="this mesh is not the last")
 
 
@@ -41,7 +44,7 @@ class Solution:
 
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
-    objective is from the optimum. note: which other starts were tried, and what the result itself gives to suspect.
+    objective is from the optimum. notes: what was done beyond what was asked, such as another start.
     """
 
     problem: Problem
@@ -58,6 +61,7 @@ class Solution:
     stopped: str = ""
     note: str = ""
     objective_error: ObjectiveError = NOT_MEASURED
+    notes: tuple[str, ...] = ()
 
     @property
     def solved(self) -> bool:
@@ -65,5 +69,25 @@ class Solution:
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
 
     @property
+    def inaccurate(self) -> str:
+        """Why a solved problem is not as accurate as was asked, or ""."""
+        return inaccurate(len(self.unmet), self.stopped, self.meshes[-1].relative_error)
+
+    @property
     def max_eta(self) -> float:
         return max(error.max_eta for error in self.errors)
+
+
+def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
+    """Why a solution is not as accurate as was asked, or "".
+
+    unmet: the number of segments that miss the tolerance. stopped: why refinement ended early. relative_error: of the
+    last mesh, None or NaN if it cannot be measured; then nothing is known against the solution but what was said.
+    """
+    if unmet:
+        return f"{unmet} segment{'s' if unmet > 1 else ''} of the mesh miss the tolerance"
+    if stopped:
+        return stopped
+    if relative_error is not None and relative_error > LARGEST_ERROR:
+        return f"the mesh is too coarse: the relative error is {relative_error:.1e}; give it more segments, or refine:"
+    return ""

@@ -1,0 +1,47 @@
+"""What a function of a problem asks for, and what it depends on: found by calling it with numbers of no meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from .problem import Function
+
+SAMPLES = 8
+
+
+class _Asked(dict[str, np.ndarray]):
+    """Values that are made when they are asked for, and so remember the names."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.random = np.random.default_rng(0)
+
+    def __missing__(self, name: str) -> np.ndarray:
+        self[name] = self.random.uniform(0.1, 0.9, SAMPLES)
+        return self[name]
+
+
+def names_asked(function: Function) -> set[str]:
+    """The names of the values that a function looks up."""
+    asked = _Asked()
+    with np.errstate(all="ignore"):
+        function(asked, np)
+    return set(asked)
+
+
+def depends_on(function: Function, names: Collection[str]) -> bool:
+    """Whether a function's value changes with any of these names: x + 0*u does not depend on u.
+
+    A function that has no finite value at the samples counts as one that depends on all that it asks for.
+    """
+    values = _Asked()
+    with np.errstate(all="ignore"):
+        before = function(values, np)
+        moved = {name: 1.0 - value if name in names else value for name, value in values.items()}
+        after = function(moved, np)
+    if moved.keys().isdisjoint(names):
+        return False
+    finite = np.isfinite(before) & np.isfinite(after)
+    return not finite.any() or bool((np.not_equal(before, after) & finite).any())
