@@ -30,13 +30,14 @@ def solve_first_mesh(
     """As `solve_mesh`; without a guess but the problem's own, other starts are tried where that one is no good.
 
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful: of all
-    that are solved, the solution with the best objective is kept. The solution's notes say what was done.
+    that are solved, the solution with the best objective is kept. The solution's notes say what was done, and, from any
+    start, which controls have no effect along the solution.
     """
     began = time.monotonic()
     first = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     own = first[0]
     if start.guess is not None or settings.engine != "ipopt" or own.status in NOT_OF_THE_START:
-        return first
+        return _doubted(first)
     idle = without_effect(problem, [phase.guess for phase in problem.phases])
     if own.status.usable and not idle:
         return _doubted(first)

@@ -61,7 +61,7 @@ def solve_mesh(
     all if that leads to none. The solution's history tells of every solve.
     """
     run = partial(_run, problem, tolerance=tolerance, settings=settings)
-    coarse = coarse_meshes(meshes) if settings.coarse_start and start.guess is None else None
+    coarse = _coarse(meshes) if settings.coarse_start and start.guess is None else None
     if not coarse:
         return run(meshes, start=start, watch=watch)
     solution, solved = run(coarse, start=start, watch=watch)
@@ -76,7 +76,7 @@ def solve_mesh(
     return replace(solution, meshes=history), solved
 
 
-def coarse_meshes(meshes: Sequence[Mesh]) -> list[Mesh] | None:
+def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
     """The coarse meshes of large ones; None for others, and where some cannot be made coarse."""
     if sum(len(mesh.fractions) for mesh in meshes) <= LARGE:
         return None

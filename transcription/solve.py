@@ -17,7 +17,6 @@ from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .one_mesh import Origin, Watch, solve_mesh
 from .refinement.refine import MERGING_MESHES, refine
-from .retries import stationary, with_other_starts
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
 from .solution.objective_error import objective_error

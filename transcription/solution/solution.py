@@ -59,7 +59,6 @@ class Solution:
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
     stopped: str = ""
-    note: str = ""
     objective_error: ObjectiveError = NOT_MEASURED
     notes: tuple[str, ...] = ()
 
