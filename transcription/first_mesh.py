@@ -29,14 +29,15 @@ def solve_first_mesh(
 ) -> tuple[Solution, Solved]:
     """As `solve_mesh`; without a guess but the problem's own, other starts are tried where that one is no good.
 
-    A start that fails gives way to the first that does not. One at which a control has no effect is doubtful: of all
-    that are solved, the solution with the best objective is kept. The solution's notes say what was done.
+    A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
+    it fails or not: of all that are solved, the solution with the best objective is kept. The solution's notes say what
+    was done, and, from any start, which controls have no effect along the solution.
     """
     began = time.monotonic()
     first = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     own = first[0]
     if start.guess is not None or settings.engine != "ipopt" or own.status in NOT_OF_THE_START:
-        return first
+        return _doubted(first)
     idle = without_effect(problem, [phase.guess for phase in problem.phases])
     if own.status.usable and not idle:
         return _doubted(first)
@@ -51,7 +52,7 @@ def solve_first_mesh(
         found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=other.guesses), limited)
         if _better(found[0], best[0], problem.sense):
             best, words = found, other.words
-            if not own.status.usable:
+            if not idle:
                 break
     return _doubted((replace(best[0], notes=(_told(own, idle, words, tried),)), best[1]))
 

@@ -53,6 +53,7 @@ CHANGES = (
     _Change("a longer final time", None, True),
     _Change("controls above the middle of their bounds, states simulated", 0.5, False),
     _Change("controls below the middle of their bounds, states simulated", -0.5, False),
+    _Change("controls at the middle of their bounds, states simulated", 0.0, False),
     _Change("controls above the middle of their bounds, states simulated, a longer final time", 0.5, True),
 )
 
