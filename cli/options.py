@@ -14,6 +14,7 @@ SHORT_FORMS = {
     "mesh.-1.tolerance": "--tol",
     "refine.tolerance": "--refine",
     "solver.seconds": "--time-limit",
+    "refine.objective": "--accuracy",
 }
 """Options that stand for an override, by its path; messages name the option."""
 
@@ -38,7 +39,8 @@ def overrides(
     tol: str | None = None,
     refine: str | None = None,
     time_limit: str | None = None,
+    accuracy: str | None = None,
 ) -> list[str]:
     """The short forms as overrides, after those of --set; they are checked as these are."""
-    values = (method, segments, tol, refine, time_limit)
+    values = (method, segments, tol, refine, time_limit, accuracy)
     return [*set_, *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]

@@ -24,7 +24,7 @@ FULL = {
     "note": "a remark",
     "nonsmooth": {"tanh": [0.01]},
     "scaling": {"u": 5},
-    "refine": {"tolerance": 1e-3, "max_meshes": 2},
+    "refine": {"tolerance": 1e-3, "max_meshes": 2, "objective": 1e-4},
     "residuals": ["m*v[rate] - F", {"name": "force", "expression": "F - u + c*v"}],
     "algebraic": {"F": {"unit": "N", "lower": -9, "upper": 9, "note": "a force"}},
     "mesh": [

@@ -46,10 +46,14 @@ def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
 
 @dataclass(frozen=True)
 class Refine:
-    """Refine until the relative error of every segment meets the tolerance, on at most max_meshes meshes more."""
+    """Refine until the relative error of every segment meets the tolerance, on at most max_meshes meshes more.
+
+    objective: in place of that, until the error bar of the objective is this small, relative to 1 + |J|; None for not.
+    """
 
     tolerance: float = 1e-6
     max_meshes: int = 10
+    objective: float | None = None
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,7 @@ def settings_of(spec: Spec) -> Settings:
         options=spec.solver.options,
         engine=spec.solver.engine,
         accept=Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED,
-        refine=Refine(spec.refine.tolerance, spec.refine.max_meshes) if spec.refine else None,
+        refine=Refine(spec.refine.tolerance, spec.refine.max_meshes, spec.refine.objective) if spec.refine else None,
         scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
         coarse_start=spec.solver.coarse_start,
         seconds=spec.solver.seconds,

@@ -16,6 +16,7 @@ from ..problems.problem import Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .one_mesh import Origin, Watch, solve_mesh
+from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
@@ -29,6 +30,9 @@ on the mesh before, if that is less; with more the engine takes the interpolated
 
 ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
 """Statuses of a solve that was told to end, and how a mesh is called that ended so."""
+
+ENGINE_SHARE, FINEST = 0.01, 1e-11
+"""Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -92,8 +96,10 @@ def solve(
             if stopped := _unmeasurable(solution):
                 break
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
-            exact = min(schedule[-1].tolerance, settings.refine.tolerance)  # what is looser shows in the error
-            unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left)
+            exact = min(schedule[-1].tolerance, _asked(settings.refine))  # what is looser shows in the error
+            goal = Goal(settings.refine.objective, solution, solved) if settings.refine.objective else None
+            unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left, goal)
+            stopped = goal.unreachable if goal and not unmet and not more else ""
             steps += more
         if number + 1 == len(steps):
             break
@@ -145,17 +151,31 @@ def _unmeasurable(solution: Solution) -> str:
     return ""
 
 
+def _asked(refine: Refine) -> float:
+    """The engine's tolerance on the last mesh, as far as refinement has a say: what it leaves is part of the bar."""
+    return refine.tolerance if refine.objective is None else max(ENGINE_SHARE * refine.objective, FINEST)
+
+
 def _refined(
-    step: Planned, solution: Solution, settings: Refine, tolerance: float, merge: bool, left: int
+    step: Planned,
+    solution: Solution,
+    settings: Refine,
+    tolerance: float,
+    merge: bool,
+    left: int,
+    goal: Goal | None,
 ) -> tuple[tuple[str, ...], list[Planned]]:
     """The segments that are not good enough, in words, and the solve to come after, if any.
 
     tolerance: of the engine, on the last mesh. merge: as of `refine`. left: the number of meshes that may still come.
+    goal: for the error bar of the objective, in place of the error of the segments.
     """
     problem, meshes, solved_to = step
-    how = partial(refine, tolerance=settings.tolerance, merge=merge)
-    found = list(map(how, solution.trajectories, solution.errors))
+    how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
+    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
     unmet = tuple(segment for refinement in found for segment in refinement.unmet)
+    if goal and goal.reached:
+        unmet = ()
     if unmet and left > 0:
         last = left == 1 or all(refinement.enough for refinement in found)
         finer = [refinement.mesh for refinement in found]

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
 Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
 RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
+Accuracy = Annotated[str, typer.Option("--accuracy", metavar="TOL", help="Refine to this error bar of the objective.")]
 TimeLimit = Annotated[str, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
@@ -48,6 +49,7 @@ def solve(
     tol: Tolerance = None,
     refine: RefineTo = None,
     time_limit: TimeLimit = None,
+    accuracy: Accuracy = None,
     guess: GuessFile = None,
     json_: Json = False,
     quiet: Quiet = False,
@@ -62,7 +64,7 @@ def solve(
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved.
     """
-    specs = load_all(files, overrides(set_, method, segments, tol, refine, time_limit))
+    specs = load_all(files, overrides(set_, method, segments, tol, refine, time_limit, accuracy))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call

@@ -93,10 +93,14 @@ class RefineEntry(Entry):
     )
     max_meshes: Meshes = Field(10, description="number of meshes after the schedule, at most; default 10")
 
-    @field_validator("tolerance")
+    objective: Number | None = Field(
+        None, description="refine until the error bar of the objective is this small, relative to 1 + |J|; default none"
+    )
+
+    @field_validator("tolerance", "objective")
     @classmethod
-    def _sensible(cls, value: float) -> float:
-        if not 1e-14 <= value <= 1:
+    def _sensible(cls, value: float | None) -> float | None:
+        if value is not None and not 1e-14 <= value <= 1:
             raise mistake(f"the tolerance {value:g} is out of range", "write a number such as 1.0e-6")
         return value
 

@@ -1,0 +1,65 @@
+"""Refinement for the objective: the error bar, shared out among the segments, in place of their eta.
+
+Of the bar each of N segments may have the N-th part. What a segment adds to the bar falls as a higher power of its
+width than eta does (the bar is a residual times the error of a costate), so that fewer are split than for eta.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...problems.text import short_repr
+from ..solution.error import ErrorProfile
+from ..solution.objective_error import ObjectiveError, objective_error
+from ..solution.solution import Solution
+from ..warm import Solved
+
+
+@short_repr
+@dataclass(frozen=True)
+class Goal:
+    """An error bar that is asked for, relative to 1 + |J|, and what a solution has of it."""
+
+    tolerance: float
+    solution: Solution
+    solved: Solved
+
+    @cached_property
+    def error(self) -> ObjectiveError:
+        own = self.solved
+        return objective_error(own.transcription, own.nlp, own.outcome, own.trajectories)
+
+    @property
+    def size(self) -> float:
+        return 1 + abs(self.solution.objective)
+
+    @property
+    def reached(self) -> bool:
+        return self.error.applies and self.error.bar <= self.tolerance * self.size
+
+    @property
+    def errors(self) -> list[ErrorProfile]:
+        """For each phase the error whose `relative` is N times the share of each segment, relative to 1 + |J|.
+
+        Without a bar it is the error of the segments as it is. Bounds that are exceeded count in the bar already.
+        """
+        if not self.error.applies:
+            return list(self.solution.errors)
+        count = sum(len(shares) for shares in self.error.shares)
+        return [
+            replace(error, relative=np.abs(shares) * count / self.size, excess={})
+            for error, shares in zip(self.solution.errors, self.error.shares, strict=True)
+        ]
+
+    @property
+    def unreachable(self) -> str:
+        """Why no finer mesh would help, or "" if the goal is reached."""
+        if self.reached:
+            return ""
+        if not self.error.applies:
+            return f"there is no error bar: {self.error.why_not}"
+        bar = f"the error bar {self.error.bar:.1e} is above the {self.tolerance * self.size:.1e} asked for"
+        return f"{bar}, and no finer mesh mends that: lower the tolerance of the engine (--tol)"
