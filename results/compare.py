@@ -23,7 +23,8 @@ NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time
 def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
     """One row for each result, measured against the first one.
 
-    difference: of the objective from the first; state_difference: the largest distance of any state from the first's,
+    objective_error: its error bar, None where there is none. difference: of the objective from the first;
+    state_difference: the largest distance of any state from the first's,
     relative to that state's range, at equal fractions of the duration, and that state's name; NaN if one of the two has
     no finite values. objective and difference: None where there is none. other_problem: path in the problem file ->
     (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no result,
@@ -41,6 +42,7 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
             "segments": mesh["segments"],
             "unknowns": mesh["unknowns"],
             "objective": summary["objective"],
+            "objective_error": summary["objective_error"],
             "difference": _difference(summary["objective"], rows[0]["objective"] if rows else summary["objective"]),
             "state_difference": distance,
             "state": state,

@@ -10,7 +10,8 @@ from ..options import Json, Results
 from ..output.printing import cell, one_line, print_json, print_table
 
 COLUMNS = {
-    "file": str, "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "difference": ".2e",
+    "file": str, "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "objective_error": ".1e",
+    "difference": ".2e",
     "state_difference": ".2e", "max_eta": ".2e", "iterations": "d", "seconds": ".3f",
 }  # fmt: skip
 MAX_TOLD = 4  # differences between two problems
