@@ -11,17 +11,17 @@ import numpy as np
 
 from ..problems.problem import Problem
 from .engines.outcome import Outcome, Status
+from .engines.table import engine_solve
 from .layout import bounded_start
 from .program.alone import building
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
-from .solution.costate import with_costates
 from .solution.diagnose import diagnose
 from .solution.error import ErrorProfile, error_profile
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
-from .transcribe import compiled, transcribe
+from .transcribe import compiled, transcribe, with_costates
 from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
@@ -99,7 +99,7 @@ def _run(
     multipliers = warm_start(start.solved, transcription, nlp) if duals else None
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
-    outcome = settings.engine_solve(
+    outcome = engine_solve(settings.engine)(
         nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
     )
     clock.append(time.perf_counter())

@@ -22,7 +22,7 @@ from ..problems.problem import Range, Variable
 from ..problems.text import short_repr
 from .layout import Transcription
 from .program.compiler import CompiledNLP
-from .program.family import NotFinite
+from .program.contract import NotFinite
 
 SIZES = (1e-4, 1e4)
 LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
@@ -84,7 +84,7 @@ def _rows(
         largest[:] = 1.0
     for family in transcription.families:
         rows = family.rows(nlp)
-        if family.kind in ("defect", "bound"):
+        if family.kind.sized:
             g[rows] = 1 / sizes[family.name]
         else:
             g[rows] = 1 / np.clip(largest[rows].max(initial=1.0), 1.0, SIZES[1])

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...problems.problem import Phase, Range
+from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ..file.reload import Reloaded
 from .check import Check, at
 
@@ -14,7 +15,7 @@ COMPLEX_STEP = 1e-30
 SECOND_STEP = 1e-5  # relative to 1 + the size of a control, of central differences of complex-step derivatives
 NEAR_BOUND = 1e-3  # of the range of a control: a barrier leaves a control that is on a bound as far from it
 ACTIVE = 1e-4  # of the largest multiplier of a constraint over time: what is smaller does not act
-KINDS = {"path": "path", "residual": "residuals", "integral": "integral"}  # of constraints -> attribute of Phase
+IN_LAGRANGIAN = (PATH, RESIDUAL, INTEGRAL)  # of constraints in H and L
 
 
 class _Hamiltonian:
@@ -30,12 +31,12 @@ class _Hamiltonian:
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
         self.constraints = []
         self.equations: list[bool] = []  # whether each of the constraints is one
-        named = {(kind, c.name): c for kind in KINDS for c in getattr(phase, KINDS[kind])}
+        named = {(kind, c.name): c for kind in IN_LAGRANGIAN for c in getattr(phase, kind.functions)}
         for (kind, name), multiplier in self._multipliers(result).items():
             constraint = named[kind, name]
-            group = self.terms if kind == "integral" else self.constraints
+            group = self.terms if kind is INTEGRAL else self.constraints
             group.append((multiplier, constraint.function))
-            if kind != "integral":
+            if kind is not INTEGRAL:
                 self.equations.append(constraint.bounds.fixed)
 
     def _multipliers(self, result: Reloaded) -> dict:
@@ -43,10 +44,10 @@ class _Hamiltonian:
         mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
         found: dict = {}
         for family in result.transcription.families:
-            if family.phase != self.phase.name or family.kind not in KINDS:
+            if family.phase != self.phase.name or family.kind not in IN_LAGRANGIAN:
                 continue
             y, key = result.outcome.y[family.rows(result.nlp)], (family.kind, family.name)
-            if family.kind == "integral":
+            if family.kind is INTEGRAL:
                 found[key] = float(y[0])
                 continue
             row = found.setdefault(key, np.zeros(len(mesh.fractions)))

@@ -18,10 +18,9 @@ from ...transcription.layout import Transcription
 from ...transcription.program.compiler import CompiledNLP
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.schemes.table import find
-from ...transcription.solution.costate import with_costates
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
-from ...transcription.transcribe import compiled, transcribe
+from ...transcription.transcribe import compiled, transcribe, with_costates
 from .write import open_result
 
 

@@ -49,7 +49,6 @@ import numpy as np
 
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
-from ...transcription.schemes.runge_kutta import Shooting
 from .arrays import array_of, group_of, scale_of, texts
 from .write_phase import write_parameters, write_phase
 
@@ -220,8 +219,7 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
             **_seconds(record.seconds),
         }
     )
-    if isinstance(scheme := record.mesh.schemes[0], Shooting):
-        group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
+    group.attrs.update(record.mesh.schemes[0].options)
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
         segment = scale_of(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
         degrees = [scheme.degree for scheme in record.mesh.schemes]

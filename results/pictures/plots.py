@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import TOLERATED_EXCESS, Range
-from ..file.read import KINDS, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
 from .style import (
     BLACK,
     BLUE,
@@ -43,7 +43,7 @@ MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
 FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
-LEGEND = (*KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
+LEGEND = (*CURVE_KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
 
@@ -162,11 +162,11 @@ def _unlabel(ax: Axes | None) -> None:
 
 def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     """kind -> the names to draw; kinds without any are left out."""
-    known = {name for kind in KINDS for name in result.names(kind)}
+    known = {name for kind in CURVE_KINDS for name in result.names(kind)}
     if unknown := [name for name in only if name not in known]:
         what = f'there is no "{unknown[0]}" in {result.path}'
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
-    chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in KINDS}
+    chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
 

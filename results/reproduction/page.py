@@ -10,7 +10,7 @@ from datetime import datetime
 from html import escape
 from importlib.metadata import version
 
-from .chapter import Chapter, Check
+from .chapter import Chapter, PaperCheck
 
 MARK = '<meta name="generator" content="trajopt reproduce">'
 
@@ -96,7 +96,7 @@ def _chapter(chapter: Chapter, figures: bool) -> Iterator[str]:
         yield _table(list(map(escape, head)), (map(escape, row) for row in rows), numbers=range(1, len(head)))
 
 
-def _check(check: Check) -> list[str]:
+def _check(check: PaperCheck) -> list[str]:
     verdict = "pass" if check.passed else '<span class="fail">FAIL</span>'
     texts = check.example, check.value.name, check.value.expected, shown(check.number), check.value.source
     return [verdict, *map(escape, texts)]

@@ -6,6 +6,7 @@ residuals, bounds of states that are no variables, and integrals follow from the
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -19,6 +20,7 @@ from pyomo.core import Constraint, Param, RangeSet, Set, Var
 from ...problems.probe import depends_on, names_asked
 from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Phase, Range
+from ..constraint_kinds import BOUND, BOUNDARY, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
 from ..program.templates import item
 from ..schemes.mesh import Mesh
@@ -62,31 +64,31 @@ class _Values(dict):
         return [*self.makers, *(name for name in self if name != "t" and name not in self.makers)]
 
 
-class PhaseBuilder:
-    """Fills the block of one phase; the methods of a subclass are `stored`, `places`, `dynamics` and `end_values`."""
+class PhaseBuilder(ABC):
+    """Fills the block of one phase; a method is a subclass with `stored`, `places`, `dynamics` and `end_values`."""
 
     def __init__(self, block, p: Mapping[str, Any], phase: Phase, mesh: Mesh):
         self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
-        self.owners: dict[int, np.ndarray] = {}
+        self.owners: dict[str, np.ndarray] = {}
         self.explicit_set: Any = None
 
+    @abstractmethod
     def stored(self) -> tuple[list[str], np.ndarray]:
         """The states that are variables, and the points at which they are."""
-        raise NotImplementedError
 
+    @abstractmethod
     def places(self) -> list[Place]:
         """Every collocation point, once."""
-        raise NotImplementedError
 
+    @abstractmethod
     def dynamics(self) -> None:
         """Add the defects."""
-        raise NotImplementedError
 
+    @abstractmethod
     def end_values(self, last: bool) -> dict:
         """The values at the first or at the last point."""
-        raise NotImplementedError
 
     # -- variables and data ------------------------------------------------------------------------------------
 
@@ -183,9 +185,9 @@ class PhaseBuilder:
     def constraints(self) -> None:
         self.dynamics()
         for i, residual in enumerate(self.phase.residuals):
-            self._everywhere(f"residual{i}", residual, "residual")
+            self._everywhere(f"residual{i}", residual, RESIDUAL)
         for i, constraint in enumerate(self.phase.path):
-            self._everywhere(f"path{i}", constraint, "path")
+            self._everywhere(f"path{i}", constraint, PATH)
         self._path_at_ends()
         self._bounds_of_computed_states()
         for i, constraint in enumerate(self.phase.boundary):
@@ -193,27 +195,27 @@ class PhaseBuilder:
             def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
                 return _between(c.bounds, c.function(self._ends(), pyomo))
 
-            self.add(f"boundary{i}", None, rule, "boundary", constraint.name, (0.0, 1.0))
+            self.add(f"boundary{i}", None, rule, BOUNDARY, constraint.name, (0.0, 1.0))
         for i, constraint in enumerate(self.phase.integral):
 
             def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
                 return _between(c.bounds, self.integral(c.function))
 
-            self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
+            self.add(f"integral{i}", None, rule, INTEGRAL, constraint.name, (0.0, 1.0))
 
-    def add(self, component: str, over, rule, kind: str, name: str, span, **told) -> None:
+    def add(self, component: str, over, rule, kind: ConstraintKind, name: str, span, **told) -> None:
         """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
         self.tell(constraint, kind, name, span, **told)
 
-    def tell(self, constraint: Constraint, kind: str, name: str, span, weights=1.0, **told) -> None:
+    def tell(self, constraint: Constraint, kind: ConstraintKind, name: str, span, weights=1.0, **told) -> None:
         """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
         self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
 
-    def _everywhere(self, component: str, constraint, kind: str) -> None:
+    def _everywhere(self, component: str, constraint, kind: ConstraintKind) -> None:
         """A constraint at every collocation point (paper, 3.3 and 4.3)."""
         for place in self.places():
 
@@ -238,7 +240,7 @@ class PhaseBuilder:
                     values.update({variable.name: 0.0 for variable in self.phase.inputs})  # g does not depend on them
                     return _between(c.bounds, c.function(values, pyomo))
 
-                self.add(f"path{i}_{end}", None, rule, "path end", constraint.name, (s, s))
+                self.add(f"path{i}_{end}", None, rule, PATH_END, constraint.name, (s, s))
 
     def _open_at(self, end: str, constraint: PathConstraint) -> bool:
         """Whether a path constraint says something about an end: on states that are not all given there."""
@@ -257,9 +259,9 @@ class PhaseBuilder:
                 def relation(k, place=place, name=name, bounds=bounds):
                     return _between(bounds, place.values(k)[name])
 
-                self._at_place(f"bound_{name}", place, relation, "bound", name)
+                self._at_place(f"bound_{name}", place, relation, BOUND, name)
 
-    def _at_place(self, component: str, place: Place, relation, kind: str, name: str) -> None:
+    def _at_place(self, component: str, place: Place, relation, kind: ConstraintKind, name: str) -> None:
         times = self.mesh.fractions[place.points]
         rule = (lambda b: relation(None)) if place.over is None else (lambda b, k: relation(k))
         self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), weights=place.quadrature)

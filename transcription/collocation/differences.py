@@ -17,13 +17,14 @@ import pyomo.core as pyomo
 from pyomo.core import RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Phase, State
+from ...problems.problem import Phase, Problem, State
+from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder, Place
 
 
-def refused(phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
     """Why a phase or a mesh is none for finite differences."""
     positions = {state.velocity_of for state in phase.states}
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
@@ -97,17 +98,12 @@ class DifferenceBuilder(PhaseBuilder):
                 return self._defect(position, velocity, self.last - 1, self.end_values(True))
 
             name, times = velocity.name, self.mesh.fractions[1:-1]
-            self.add(f"defect_{name}", self.block.inner, inner, "defect", name, (times, times))
-            self.add(f"defect_{name}_initial", None, first, "defect", name, (0.0, 0.0))
-            self.add(f"defect_{name}_final", None, final, "defect", name, (1.0, 1.0))
+            self.add(f"defect_{name}", self.block.inner, inner, DEFECT, name, (times, times))
+            self.add(f"defect_{name}_initial", None, first, DEFECT, name, (0.0, 0.0))
+            self.add(f"defect_{name}_final", None, final, DEFECT, name, (1.0, 1.0))
 
     def _defect(self, position: State, velocity: State, k, values: dict):
         x = self.block.x
         before, here, after = (item(x, position.name, k + i) for i in (-1, 0, 1))
         second = before - 2 * here + after
         return second == self.dt**2 * velocity.rate(values, pyomo)  # (42)
-
-
-def velocities(x: np.ndarray, dt: float) -> np.ndarray:
-    """dx/dt at the points from positions x, shape (K,): central inside, three points at the ends."""
-    return np.gradient(x, dt, edge_order=2)

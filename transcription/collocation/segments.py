@@ -21,8 +21,9 @@ import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet, Set
 
 from ...problems.problem import State
+from ..constraint_kinds import DEFECT
 from ..program.templates import item
-from ..schemes.mesh import Group
+from ..schemes.segment import Group
 from .builder import PhaseBuilder, Place
 from .point_rows import PointRows, point_rows
 
@@ -57,7 +58,7 @@ class CollocationBuilder(PhaseBuilder):
         else:
             over = Set(initialize=segments.tolist())
             self.block.add_component(name, over)
-        self.owners[id(over)] = segments
+        self.owners[over.name] = segments
         return over
 
     def h(self, s):
@@ -119,9 +120,7 @@ class CollocationBuilder(PhaseBuilder):
                 def rule(block, s, r=r, state=state):
                     return self._defect(group.scheme, s, r, state)
 
-                self.add(
-                    f"defect{number}_{state.name}_{r}", over, rule, "defect", state.name, span, group=number, row=r
-                )
+                self.add(f"defect{number}_{state.name}_{r}", over, rule, DEFECT, state.name, span, group=number, row=r)
 
     def _defect(self, scheme, s, r: int, state: State):
         nodes = self._nodes(scheme, s)
@@ -152,7 +151,7 @@ class CollocationBuilder(PhaseBuilder):
         block, mesh, name = self.block, self.mesh, f"rows{rows.terms}"
         over = RangeSet(0, len(rows.row) - 1)
         block.add_component(f"{name}_q", over)
-        self.owners[id(over)] = rows.segments
+        self.owners[over.name] = rows.segments
         start, own = mesh.first[rows.segments], rows.point[rows.row, 0] if rows.terms else mesh.degrees[rows.segments]
         times = mesh.fractions[start + own]
         columns = {"first": start, "width": mesh.widths[rows.segments], "row": rows.row}
@@ -174,7 +173,7 @@ class CollocationBuilder(PhaseBuilder):
             block.add_component(f"defect_of_{rows.terms}_{state.name}", constraint)
             for part in rows.parts:
                 span = times[part.q], times[part.q]
-                self.tell(constraint, "defect", state.name, span, group=part.group, row=part.rows, part=part.q)
+                self.tell(constraint, DEFECT, state.name, span, group=part.group, row=part.rows, part=part.q)
 
 
 def _dot(weights: np.ndarray, values: Sequence):

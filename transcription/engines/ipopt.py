@@ -6,18 +6,15 @@ import json
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 import numpy as np
 
 from ...problems.errors import Mistake
-from ...problems.text import short_repr
 from ..program.alone import LOCK
-from ..program.compiler import CompiledNLP
-from ..program.family import NotFinite
+from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
-from .outcome import Outcome, Status
+from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {
     # IPOPT's own 1e-8 lets the optimum of Bryson and Denham's problem gain 3e-7, which no error estimate sees.
@@ -38,12 +35,6 @@ OPTION_FILE = "option_file_name"
 
 USER_SCALING = {"nlp_scaling_method": "user-scaling"}
 
-COLUMNS = (
-    "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",
-    "step_norm", "regularization", "dual_step", "primal_step", "line_search_trials",
-)  # fmt: skip
-"""What IPOPT tells of each iteration, in the order of its callback."""
-
 FREQUENT_OPTIONS = (
     "acceptable_iter", "acceptable_tol", "bound_relax_factor", "constr_viol_tol", "derivative_test", "dual_inf_tol",
     "compl_inf_tol", "fixed_variable_treatment", "hessian_approximation", "hsllib", "linear_solver", "max_cpu_time",
@@ -54,16 +45,6 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
-@short_repr
-@dataclass(frozen=True)
-class Start:
-    """Multipliers to start from, with the signs and shapes of `Outcome`."""
-
-    y: np.ndarray
-    z_lower: np.ndarray
-    z_upper: np.ndarray
-
-
 WARM = {
     "warm_start_init_point": "yes", "mu_init": 1e-8,  # a larger one is where a loose tolerance stops
     "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
@@ -71,8 +52,8 @@ WARM = {
 }  # fmt: skip
 
 
-def solve(
-    nlp: CompiledNLP,
+def solve_program(
+    nlp: NonlinearProgram,
     z: np.ndarray,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -202,7 +183,7 @@ class _Nothing:
 class _Callbacks:
     """The functions IPOPT calls, with a record of each iteration and of the last evaluation that was not finite."""
 
-    def __init__(self, nlp: CompiledNLP, progress, stop):
+    def __init__(self, nlp: NonlinearProgram, progress, stop):
         self.nlp, self.progress, self.stop = nlp, progress, stop
         self.record = {name: [] for name in COLUMNS}
         self.failed = None

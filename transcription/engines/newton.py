@@ -19,17 +19,15 @@ from scipy.sparse import bmat, coo_matrix
 from scipy.sparse.linalg import splu
 
 from ...problems.errors import Mistake, SpecError
-from ..program.compiler import CompiledNLP
-from ..program.family import NotFinite
-from .ipopt import COLUMNS
-from .outcome import Outcome, Status
+from ..program.contract import NonlinearProgram, NotFinite
+from .outcome import COLUMNS, Outcome, Status
 
 DEFAULTS = {"tol": 1e-8, "max_iter": 100, "line_search": "no"}
 SHORTEST_STEP = 1e-8
 
 
-def solve(
-    nlp: CompiledNLP,
+def solve_program(
+    nlp: NonlinearProgram,
     z: np.ndarray,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -39,7 +37,7 @@ def solve(
     stop: Callable[[], bool] | None = None,
     scaling=None,
 ) -> Outcome:
-    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve`.
+    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve_program`.
 
     options: tol, max_iter, and line_search (yes or no: halve a step until the KKT residual shrinks).
     Newton's steps do not depend on scaling, so none is applied.
@@ -65,7 +63,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-def _inequalities(nlp: CompiledNLP, lower: np.ndarray, upper: np.ndarray) -> list[Mistake]:
+def _inequalities(nlp: NonlinearProgram, lower: np.ndarray, upper: np.ndarray) -> list[Mistake]:
     remedy = "use IPOPT: leave out 'engine: newton'"
     mistakes = []
     if (nlp.cl != nlp.cu).any():
@@ -80,7 +78,7 @@ def _inequalities(nlp: CompiledNLP, lower: np.ndarray, upper: np.ndarray) -> lis
 class _Newton:
     """One solve; `free` are the variables that no bound fixes."""
 
-    def __init__(self, nlp: CompiledNLP, z, lower, upper, options, start, progress, stop):
+    def __init__(self, nlp: NonlinearProgram, z, lower, upper, options, start, progress, stop):
         self.nlp, self.options, self.progress, self.stop = nlp, options, progress, stop
         self.free = np.flatnonzero(lower != upper)
         self.z = np.where(lower == upper, lower, z)

@@ -91,6 +91,23 @@ class Status(Enum):
         return next((status for status in cls if status.code == code), cls.FAILED)
 
 
+COLUMNS = (
+    "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",
+    "step_norm", "regularization", "dual_step", "primal_step", "line_search_trials",
+)  # fmt: skip
+"""What is told of each iteration, in the order of IPOPT's callback."""
+
+
+@short_repr
+@dataclass(frozen=True)
+class Start:
+    """Multipliers to start from, with the signs and shapes of `Outcome`."""
+
+    y: np.ndarray
+    z_lower: np.ndarray
+    z_upper: np.ndarray
+
+
 @short_repr
 @dataclass(frozen=True)
 class Outcome:

@@ -14,35 +14,23 @@ which keeps the KKT matrix banded when the variables are ordered point by point.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from functools import wraps
+from collections.abc import Iterator, Sequence
 from math import inf, prod
 from typing import NamedTuple
 
 import numpy as np
 import symengine as se
+from pyomo.common.collections import ComponentMap
 from pyomo.core import Constraint, Objective, minimize
 from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types
 from pyomo.core.expr.template_expr import TemplateSumExpression
 
-from .family import CompiledFamily, Entries, NotFinite
+from .contract import callback
+from .family import CompiledFamily, Entries
 from .machine_code import available_backend, compile_family, timing
 from .symbolic import Arguments, Slots
 from .templates import TemplateError, linear_parts, template_of
-
-
-def _callback(method: Callable) -> Callable:
-    @wraps(method)
-    def call(self, *args):
-        start = time.perf_counter()
-        try:
-            return method(self, *args)
-        finally:
-            self.seconds["evaluate"] += time.perf_counter() - start
-
-    return call
 
 
 class CompiledNLP:
@@ -62,7 +50,7 @@ class CompiledNLP:
         self._slots = Slots(variables)
         self._row_families: list[CompiledFamily] = []
         self._sum_families: list[CompiledFamily] = []
-        self._rows: dict[int, np.ndarray] = {}
+        self._rows = ComponentMap()
         sums = self._add_constraints(model)
         self._sum_families += self._add_sums(sums)
         self._cost_families = self._add_objective(model)
@@ -70,11 +58,11 @@ class CompiledNLP:
         self._prepare()
 
     def _add_constraints(self, model) -> list:
-        groups: dict[int | None, list] = {}
+        groups = ComponentMap()
         for c in model.component_objects(Constraint, active=True):
-            self._rows[id(c)] = np.zeros(0, dtype=np.intp)
+            self._rows[c] = np.zeros(0, dtype=np.intp)
             if len(c):
-                groups.setdefault(id(c.index_set()) if c.is_indexed() else None, []).append(c)
+                groups.setdefault(c.index_set() if c.is_indexed() else None, []).append(c)
         sums: list = []
         bounds = [self._add_rows(group, sums) for group in groups.values()]
         self.cl, self.cu = np.concatenate([np.zeros((2, 0)), *bounds], axis=1)
@@ -90,7 +78,7 @@ class CompiledNLP:
             self.m += size * width
             outputs, bounds = [], np.empty((2, size, width))
             for o, c in enumerate(components):
-                self._rows[id(c)] = rows[:, o]
+                self._rows[c] = rows[:, o]
                 sides, lower, upper, template = _relation(c)
                 bounds[:, :, o] = arguments.numbers(lower, template), arguments.numbers(upper, template)
                 if over is None:
@@ -102,13 +90,12 @@ class CompiledNLP:
 
     def _add_sums(self, sums: list) -> list[CompiledFamily]:
         """A family for each Set that is summed over, with one output for each row it adds to."""
-        groups: dict[int, list] = {}
+        groups = ComponentMap()
         for term in sums:
-            groups.setdefault(id(_placeholder(term)._set), []).append(term)
+            groups.setdefault(_placeholder(term)._set, []).append(term)
         families = []
-        for terms in groups.values():
+        for over, terms in groups.items():
             with timing(self.seconds, "differentiate"):
-                over = _placeholder(terms[0])._set
                 arguments, outputs = self._arguments(over), {}
                 for term in terms:
                     y = _product(arguments, term.factors, term.expression, _placeholder(term))
@@ -149,13 +136,20 @@ class CompiledNLP:
             (f, f.jacobian_entries(n)) for f in self._row_families + self._sum_families if f.code.jacobian
         ]
         self._hessian = [(f, f.hessian_entries(n)) for f in self._families if f.code.hessian]
+        self._asked = {
+            "objective": self._cost_families,
+            "gradient": self._cost_families,
+            "constraints": self._row_families + self._sum_families,
+            "jacobian": [f for f, _ in self._jacobian],
+            "hessian": [f for f, _ in self._hessian],
+        }
         self._gradient_columns = [
             np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel() for f in self._cost_families
         ]
 
     def rows(self, component) -> np.ndarray:
         """The row numbers of a Constraint, in the order of its index set."""
-        return self._rows[id(component)]
+        return self._rows[component]
 
     def row_name(self, row: int) -> tuple[str, int | None]:
         """(component name, index or None) of a row."""
@@ -163,7 +157,7 @@ class CompiledNLP:
         s, o = divmod(row - family.rows[0, 0], len(family.components))
         return family.components[o].name, None if family.index is None else int(family.index[s])
 
-    def _move(self, z: np.ndarray) -> None:
+    def move(self, z: np.ndarray) -> None:
         """Read z into the arguments of every family, unless it is there already."""
         if np.array_equal(z, self._numbers[: self.n]):
             return
@@ -171,40 +165,33 @@ class CompiledNLP:
         for f in self._families:
             f.variables[:] = self._numbers.take(f.columns)
 
-    def _check(self, kind: str, values, families: list[CompiledFamily]) -> None:
-        if not np.isfinite(values).all():
-            derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
-            raise NotFinite(kind, [name for f in families for name in f.culprits(derivative)])
+    def culprits(self, kind: str, values) -> list[tuple[str, int | None]]:
+        """What is not finite in a callback: (component name, index) each."""
+        derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
+        return [name for f in self._asked[kind] for name in f.culprits(derivative)]
 
-    @_callback
+    @callback
     def objective(self, z: np.ndarray) -> float:
         """f(z)."""
-        self._move(z)
-        f = sum(float(f.code.value(f.arguments).sum()) for f in self._cost_families)
-        self._check("objective", f, self._cost_families)
-        return f
+        return sum(float(f.code.value(f.arguments).sum()) for f in self._cost_families)
 
-    @_callback
+    @callback
     def gradient(self, z: np.ndarray) -> np.ndarray:
         """df/dz, shape (n,)."""
-        self._move(z)
         g = np.zeros(self.n + 1)
         for f, columns in zip(self._cost_families, self._gradient_columns, strict=True):
             if f.code.jacobian:
                 g += np.bincount(columns, f.code.jacobian(f.arguments).ravel(), minlength=self.n + 1)
-        self._check("gradient", g, self._cost_families)
         return g[: self.n]
 
-    @_callback
+    @callback
     def constraints(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,)."""
-        g = self.constraints_unchecked(z)
-        self._check("constraints", g, self._row_families + self._sum_families)
-        return g
+        return self.constraints_unchecked(z)
 
     def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,), with NaN and infinity where it is not finite."""
-        self._move(z)
+        self.move(z)
         g = np.empty(self.m)
         for f in self._row_families:
             f.code.value(f.arguments, out=g[f.rows[0, 0] : f.rows[-1, -1] + 1])
@@ -216,20 +203,18 @@ class CompiledNLP:
         """Rows and columns of the nonzeros of dg/dz; those that stand twice (in rows with several sums) are added."""
         return _structure(self._jacobian)
 
-    @_callback
+    @callback
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """The nonzeros of dg/dz, in the order of jacobianstructure()."""
-        self._move(z)
         return self._derivatives("jacobian", self._jacobian)
 
     def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows and columns (row >= column) of the nonzeros of the Hessian; those that stand twice are added."""
         return _structure(self._hessian)
 
-    @_callback
+    @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
         """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
-        self._move(z)
         weights = np.append(y, sigma)
         for f, _ in self._hessian:
             f.weights[:] = weights[f.rows]
@@ -239,15 +224,15 @@ class CompiledNLP:
         """The gradient of f + y g term by term: (Set, its indices (S,), columns (S, K), terms (S, K)) of each family.
 
         Term k of index s is a derivative by z[columns[s, k]], or by a fixed variable where columns[s, k] >= n. The
-        Set and the indices are None for what has no index (S = 1).
+        Set is told by its name; it and the indices are None for what has no index (S = 1).
         """
-        self._move(z)
+        self.move(z)
         weights = np.append(y, 1.0)
         for f in self._families:
             if f.code.jacobian:
                 o, j = f.code.jacobian_at.T
                 raw = f.code.jacobian(f.arguments).reshape(len(f.arguments), -1)
-                yield f.over, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
+                yield None if f.over is None else f.over.name, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
 
     def _derivatives(self, kind: str, pieces: list[tuple[CompiledFamily, Entries]]) -> np.ndarray:
         out, start = np.empty(sum(len(e.rows) for _, e in pieces)), 0
@@ -255,7 +240,6 @@ class CompiledNLP:
             stop = start + len(entries.rows)
             entries.evaluate(f.functions[kind], f.arguments, out[start:stop])
             start = stop
-        self._check(kind, out, [f for f, _ in pieces])
         return out
 
 

@@ -6,20 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .contract import cross_factor
 from .machine_code import Code, compile_family
 from .symbolic import Arguments
-
-
-class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a mistake)
-    """A function or derivative is NaN or infinite at this z.
-
-    kind: the callback. names: the culprits, a list of (component name, index or None).
-    """
-
-    def __init__(self, kind: str, names: list[tuple[str, int | None]]):
-        self.kind, self.names = kind, names
-        shown = ", ".join(name if index is None else f"{name}[{index}]" for name, index in names[:3])
-        super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))
 
 
 class Entries:
@@ -77,10 +66,9 @@ class CompiledFamily:
     def hessian_entries(self, n: int) -> Entries:
         i, j = self.code.hessian_at.T
         a, b = self.columns[:, i], self.columns[:, j]
-        # Two arguments that read one variable: the cross derivative counts for (i, j) and for (j, i).
-        twice = (a == b) & (i != j)
+        factor = cross_factor(a, b, i != j)
         rows, cols = np.maximum(a, b), np.minimum(a, b)
-        return Entries(rows, cols, rows < n, n, np.where(twice, 2.0, 1.0) if twice.any() else None)
+        return Entries(rows, cols, rows < n, n, factor if (factor > 1).any() else None)
 
     def culprits(self, kind: str) -> list[tuple[str, int | None]]:
         """(component name, index) of what is not finite at the present arguments."""

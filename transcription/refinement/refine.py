@@ -33,7 +33,7 @@ import numpy as np
 from ...problems.problem import TOLERATED_EXCESS
 from ...problems.text import short_repr
 from ..schemes.mesh import Mesh
-from ..schemes.scheme import FiniteDifference, Scheme
+from ..schemes.segment import Segment
 from ..schemes.table import METHODS
 from ..solution.error import ErrorProfile
 from ..solution.trajectory import Trajectory
@@ -52,7 +52,7 @@ TARGET = 0.5  # of the tolerance: what the parts of a segment aim at, as their e
 MOST_PARTS = 4  # of a segment: its error tells no more of meshes much finer
 SAMPLES = 16  # of the density of parts on each segment
 
-Piece = tuple[float, Scheme]
+Piece = tuple[float, Segment]
 """Width and scheme of a segment of the next mesh."""
 
 
@@ -75,7 +75,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     if not len(segments.bad):
         return Refinement(trajectory.mesh, (), True)
     told = tuple(map(segments.told, segments.bad))
-    if isinstance(scheme := trajectory.mesh.schemes[0], FiniteDifference):  # it needs equal segments
+    if (scheme := trajectory.mesh.schemes[0]).equal:
         return Refinement(Mesh.of(scheme, 2 * trajectory.mesh.segments), told, segments.parts(segments.bad[0]) <= 2)
     near = segments.share > MARGIN
     pieces = [
@@ -177,7 +177,7 @@ class _Segments:
         kink = self.switches.kink(s)
         return kink.tau if kink and SLIVER < kink.tau < 1 - SLIVER else None
 
-    def _raised(self, s: int, ratio: float) -> Scheme | None:
+    def _raised(self, s: int, ratio: float) -> Segment | None:
         """The scheme with enough more points to reach the tolerance, where f is smooth and the method has a choice."""
         scheme = self.trajectory.mesh.schemes[s]
         method = METHODS[scheme.name]
@@ -223,10 +223,13 @@ def _divide(pieces: list[list[Piece]], segments: _Segments) -> None:
     knots that have come near to that place are not to leave it again.
     """
     mesh = segments.trajectory.mesh
-    alone = [METHODS[scheme.name].nodes is not None for scheme in mesh.schemes]
-    for (wanted, scheme, _), run in groupby(
-        range(mesh.segments), key=lambda s: (not pieces[s], mesh.schemes[s], alone[s] and s)
-    ):
+
+    def together(s: int) -> tuple[bool, Segment, int]:
+        """What neighbours that are divided together have in common; the last is of each segment that is alone."""
+        alone = METHODS[mesh.schemes[s].name].nodes is not None
+        return not pieces[s], mesh.schemes[s], s if alone else -1
+
+    for (wanted, scheme, _), run in groupby(range(mesh.segments), key=together):
         if wanted:
             numbers = list(run)
             widths = _spread(mesh.widths[numbers], np.array([segments.parts(s) for s in numbers]))

@@ -17,9 +17,11 @@ from ...problems.errors import Mistake, SpecError
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from ..program.alone import LOCK
+from .finite_difference import FiniteDifference
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
-from .scheme import FiniteDifference, Scheme
+from .scheme import Scheme
+from .segment import Segment
 
 DEFAULT_DEGREE = 4
 DEFAULT_SUBSTEPS = 1
@@ -41,7 +43,7 @@ class Method:
     order: str
     source: str
     nodes: Callable[[int], np.ndarray] | None = None
-    scheme: Scheme | FiniteDifference | None = None
+    scheme: Segment | None = None
     table: Table | None = None
     note: str = ""
 
@@ -63,7 +65,7 @@ class Method:
             return self.scheme.control_interpolant
         return "n" if self.ends == "both" else "n - 1"
 
-    def of_degree(self, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
+    def of_degree(self, degree: int | None = None, form: str | None = None) -> Segment:
         """The scheme; raises SpecError for a degree or a form that it does not have."""
         if self.table is not None and degree is None and form is None:
             return self.shooting()
@@ -220,7 +222,7 @@ FINITE_DIFFERENCE = FiniteDifference()
 _LEGENDRE = "Kelly 2017, section 9.7 and appendix D; Garg et al., Automatica 46, 2010"
 
 
-def _fixed(scheme: Scheme | FiniteDifference, ends: str) -> Method:
+def _fixed(scheme: Segment, ends: str) -> Method:
     return Method(scheme.name, scheme.family, ends, str(scheme.order), scheme.source, scheme=scheme)
 
 
@@ -265,7 +267,7 @@ def find(
     form: str | None = None,
     substeps: int | None = None,
     control: str | None = None,
-) -> Scheme | FiniteDifference | Shooting:
+) -> Segment:
     """The scheme of that name, degree, form or substeps, control; raises SpecError with the nearest names otherwise."""
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)

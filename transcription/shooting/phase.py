@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ..layout import Layout
+from ..program.contract import cross_factor
 from ..program.pointwise import PointFunctions
 from .rows import PhaseRows, path_constraints
 from .simulation import STEP, Segments
@@ -26,8 +27,7 @@ class _Direct:
         a, b = code.hessian_at.T if code else np.zeros((2, 0), int)
         self.o, self.j = o[free[j]], j[free[j]]
         self.a, self.b = (i[free[a] & free[b]] for i in (a, b))
-        # Two arguments that are one unknown: the cross derivative counts for (a, b) and for (b, a).
-        self.factor = np.where((columns[self.a] == columns[self.b]) & (self.a != self.b), 2.0, 1.0)
+        self.factor = cross_factor(columns[self.a], columns[self.b], self.a != self.b)
 
     def move(self, z: np.ndarray) -> None:
         self.arguments = np.where(self.columns >= 0, z[self.columns], self.fixed)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
 
 import numpy as np
 import symengine as se
 
 from ...problems.problem import Phase, Variable
 from ...problems.text import shorten
+from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..engines.outcome import Outcome, Status
 from ..layout import Family, Layout, Transcription
 from ..program.compiler import CompiledNLP
@@ -24,30 +24,20 @@ RUNAWAY = 1e10  # no unit makes an honest state or control as large
 BROKEN = (Status.INVALID_NUMBER, Status.STEP_FAILED, Status.RESTORATION_FAILED, Status.STALLED, Status.FAILED)
 """Statuses that a function without a finite value explains, if there was one at the end."""
 
-KINDS = {
-    "defect": "the dynamics of {}",
-    "residual": "residual '{}'",
-    "path": "path constraint '{}'",
-    "path end": "path constraint '{}'",
-    "bound": "the bounds of {}",
-    "boundary": "boundary constraint '{}'",
-    "integral": "integral constraint '{}'",
-}
-
 
 @dataclass(frozen=True)
 class Violation:
     """A constraint that an iterate violates by `amount`, between the times `start` and `end`."""
 
     phase: str
-    kind: str
+    kind: ConstraintKind
     name: str
     start: float
     end: float
     amount: float
 
     def __str__(self) -> str:
-        when = "" if self.kind in ("boundary", "integral") else _when(self.start, self.end)
+        when = _when(self.start, self.end) if self.kind.timed else ""
         return f"{_what(self.phase, self.kind, self.name)}{when} missed by {self.amount:.2e}"
 
 
@@ -101,9 +91,9 @@ def _when(start: float, end: float) -> str:
     return f" at t = {start:.6g}" if start == end else f" between t = {start:.6g} and {end:.6g}"
 
 
-def _what(phase: str, kind: str, name: str) -> str:
+def _what(phase: str, kind: ConstraintKind, name: str) -> str:
     """A constraint by its name; the phase is told where the file has phases."""
-    return KINDS[kind].format(name) + ("" if phase == "main" else f" of phase {phase}")
+    return kind.phrase.format(name) + ("" if phase == "main" else f" of phase {phase}")
 
 
 # -- constraints that contradict each other ------------------------------------------------------------------------
@@ -127,16 +117,16 @@ def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) 
 
 
 def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, phases, *, limit) -> Iterator[str]:
-    def of(family: Family) -> tuple:
-        return family.phase, family.kind, family.name
-
-    own = [f for f in transcription.families if f.kind not in ("defect", "residual")]
-    for key, same in groupby(sorted(own, key=of), of):
+    constraints: dict[tuple[str, ConstraintKind, str], list[Family]] = {}
+    for family in transcription.families:
+        if not family.kind.model:
+            constraints.setdefault((family.phase, family.kind, family.name), []).append(family)
+    for key, same in constraints.items():
         acting = [f.span[np.abs(outcome.y[f.rows(nlp)]) / f.weights > limit] for f in same]
         s = np.concatenate(acting).ravel()
         if len(s):
-            over_time = key[1] in ("path", "path end", "bound")
-            yield _what(*key) + (_when(*_times(phases[key[0]], np.array([s.min(), s.max()]))) if over_time else "")
+            phase, kind, _ = key
+            yield _what(*key) + (_when(*_times(phases[phase], np.array([s.min(), s.max()]))) if kind.timed else "")
 
 
 def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory, limit: float) -> Iterator[str]:
@@ -251,11 +241,11 @@ def _functions(phase: Phase) -> Iterator[tuple]:
     yield from ((f"rate of {state.name}", state.rate, False) for state in phase.states)
     if phase.lagrange:
         yield "integral objective", phase.lagrange, False
-    for kind, constraints in (("residual", phase.residuals), ("path", phase.path), ("integral", phase.integral)):
+    for kind, constraints in ((RESIDUAL, phase.residuals), (PATH, phase.path), (INTEGRAL, phase.integral)):
         yield from ((_what(phase.name, kind, c.name), c.function, False) for c in constraints)
     if phase.mayer:
         yield "terminal objective", phase.mayer, True
-    yield from ((_what(phase.name, "boundary", c.name), c.function, True) for c in phase.boundary)
+    yield from ((_what(phase.name, BOUNDARY, c.name), c.function, True) for c in phase.boundary)
 
 
 def _point_values(trajectory: Trajectory) -> dict:

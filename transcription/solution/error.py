@@ -19,7 +19,6 @@ import numpy as np
 
 from ...problems.problem import Range
 from ...problems.text import short_repr
-from ..schemes.scheme import FiniteDifference
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory
 
@@ -136,7 +135,7 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     for group in mesh.groups:
-        if isinstance(group.scheme, FiniteDifference):  # its sum over the points is no quadrature of segments
+        if group.scheme.quadrature is None:
             continue
         width = np.diff(group.scheme.sigma)[:, None]
         tau = (group.scheme.sigma[:-1, None] + width * (nodes + 1) / 2).ravel()

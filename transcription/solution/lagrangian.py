@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ...problems.text import short_repr
+from ..constraint_kinds import INTEGRAL
 from ..layout import Layout
-from ..schemes.mesh import Group
-from ..schemes.runge_kutta import Shooting
+from ..schemes.segment import Group
 from .hamiltonian import Constrained, minimise
 from .implicit import Nearby, consistent_inputs
 from .multipliers import Density, Measure, Multipliers
@@ -75,7 +75,7 @@ class PhaseLagrangian:
     def integrands(self) -> list[tuple[float, Any]]:
         """(multiplier, function) of the integrals in the Lagrangian: the objective's, and the constrained ones."""
         own = [(self.sense, self.phase.lagrange)] if self.phase.lagrange else []
-        rows = [self.multipliers.of_rows(self.phase, "integral", c.name)[1] for c in self.phase.integral]
+        rows = [self.multipliers.of_rows(self.phase, INTEGRAL, c.name)[1] for c in self.phase.integral]
         return own + [(float(y[0]), c.function) for y, c in zip(rows, self.phase.integral, strict=True)]
 
     @cached_property
@@ -137,7 +137,7 @@ class PhaseLagrangian:
         tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
         sample = tr.grid(group.segments, tau)
         costate = self.sense * sample.costate
-        if isinstance(group.scheme, Shooting):
+        if group.scheme.simulated:
             costate = self._simulated_costate(group, tau)
         t = sample.t.ravel()
         x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
@@ -147,7 +147,7 @@ class PhaseLagrangian:
     def _own_integrals(self, group: Group) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
         tr, m = self.trajectory, self.multipliers
-        if isinstance(group.scheme, Shooting):
+        if group.scheme.simulated:
             rows = m.nlp.integrals(m.outcome.z)[self.number][:, group.segments]
             return np.array([multiplier for multiplier, _ in self.integrands]) @ rows
         tau, weights = group.scheme.quadrature

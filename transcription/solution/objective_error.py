@@ -50,7 +50,6 @@ import numpy as np
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
-from ..schemes.scheme import FiniteDifference
 from .lagrangian import TERMS, PhaseLagrangian
 from .multipliers import Multipliers
 from .trajectory import Trajectory
@@ -107,7 +106,7 @@ def objective_error(
 
 
 def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:
-    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
+    if not all(scheme.has_costates for own in trajectories for scheme in own.mesh.schemes):
         return "finite differences have no costates"
     if outcome.status is Status.FEASIBLE:
         return "nothing is left to optimise, and the engine computes no multipliers"

@@ -18,11 +18,8 @@ import numpy as np
 
 from ...problems.problem import Phase
 from ...problems.text import short_repr
-from ..collocation.differences import velocities
 from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
-from ..schemes.runge_kutta import Shooting, simulate
-from ..schemes.scheme import FiniteDifference
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
@@ -183,28 +180,10 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
     trajectory = Trajectory(phase, mesh, t, x, u, parameters)
-    if isinstance(mesh.schemes[0], FiniteDifference):
-        names = [state.name for state in phase.states]
-        for i, state in enumerate(phase.states):
-            if state.velocity_of:
-                x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
-        return trajectory
-    if isinstance(mesh.schemes[0], Shooting):
-        simulate(trajectory)
-    _fill_eliminated(trajectory)
+    for group in mesh.groups:
+        group.scheme.complete(trajectory, group)
     _extrapolate_inputs(trajectory)
     return trajectory
-
-
-def _fill_eliminated(trajectory: Trajectory) -> None:
-    """Write the states that are no variables into trajectory.x."""
-    phase, x = trajectory.phase, trajectory.x
-    for group in trajectory.mesh.groups:
-        for node, row in group.scheme.eliminated:
-            f = phase.dynamics(trajectory.times, x, trajectory.u, trajectory.parameters)
-            at_nodes, rates = [x[:, k] for k in group.nodes.T], [f[:, k] for k in group.collocated.T]
-            h = trajectory.h[group.segments]
-            x[:, group.nodes[:, node]] = group.scheme.eliminate(node, row, at_nodes, rates, h)
 
 
 def _extrapolate_inputs(trajectory: Trajectory) -> None:

@@ -16,7 +16,7 @@ from ....problems.models.five_link_biped import LINKS, Motion, Walker, combine
 from ...pictures.animate import stop_action
 from ...pictures.plots import draw_error
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION
-from .example import Example, Picture, Run, Solutions, Solved, draw, grid, largest, name_time, objectives, peak
+from .example import Example, Picture, Run, Solutions, SolvedRun, draw, grid, largest, name_time, objectives, peak
 
 TABLE, SUPPLEMENT = "biped", "biped_supplement"
 POSES = 10
@@ -65,7 +65,7 @@ def measure(solved: Solutions) -> dict[str, float]:
     return numbers
 
 
-def _measure(step: Solved) -> dict[str, float]:
+def _measure(step: SolvedRun) -> dict[str, float]:
     height = _foot_height(step)
     return {
         **{f"largest eta of q{i}": step.phase.eta[f"q{i}"].max() for i in LINKS},
@@ -78,7 +78,7 @@ def _measure(step: Solved) -> dict[str, float]:
     }
 
 
-def _foot_height(step: Solved) -> np.ndarray:
+def _foot_height(step: SolvedRun) -> np.ndarray:
     """The height of P5 on the dense grid, m."""
     _, parameters = step.result.build()
     walker, values = Walker.of(parameters), {f"q{i}": step.curve(f"q{i}").dense for i in LINKS}

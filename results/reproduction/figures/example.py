@@ -26,7 +26,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolvedRun:
     """The result file of a run, read back: its curves, and what each mesh of the schedule took."""
 
     result: Result
@@ -53,7 +53,7 @@ class Solved:
         return next(kind[name] for kind in self.phase.curves.values() if name in kind)
 
 
-Solutions = Mapping[str, Solved]
+Solutions = Mapping[str, SolvedRun]
 """Name of a run -> its result."""
 
 
@@ -89,7 +89,7 @@ def grid(rows: Sequence[float], columns: int, width: float, **frame: float) -> t
     return figure, [[figure.add_subplot(places[i, j]) for j in range(columns)] for i in range(len(rows))]
 
 
-def draw(ax: Axes, solved: Solved, name: str, label: str = "", colour: str = "") -> None:
+def draw(ax: Axes, solved: SolvedRun, name: str, label: str = "", colour: str = "") -> None:
     """A state or control over time, by the method's own interpolant, with circles at the knots (Figures 10 and 14)."""
     phase, curve = solved.phase, solved.curve(name)
     control = name in phase.curves.get("control", {})
