@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pyomo.core import ConcreteModel
 
 from ..problems.problem import Phase, Problem
 from ..problems.text import short_repr
@@ -26,7 +25,7 @@ class Family:
     scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
-    component: Any
+    component: Any  # a Constraint of Pyomo, or shooting's `Rows`
     phase: str
     kind: ConstraintKind
     name: str
@@ -86,7 +85,7 @@ class Transcription:
     """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""
 
     problem: Problem
-    model: ConcreteModel | None
+    model: Any
     variables: tuple
     phases: tuple[Layout, ...]
     parameters: np.ndarray

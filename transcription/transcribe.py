@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..problems.errors import Mistake, SpecError
-from ..problems.problem import Phase, Problem
+from ..problems.problem import Curves, Phase, Problem
 from .collocation import model
 from .collocation.differences import refused_by_differences
 from .engines.outcome import Outcome
@@ -26,7 +27,7 @@ from .solution.trajectory import Trajectory
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
 
-Transcribe = Callable[[Problem, Sequence[Mesh], Sequence, bool], Transcription]
+Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ class MethodKind:
 
     refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
     transcribe: Transcribe
-    compiled: Callable[[Transcription], NonlinearProgram]
-    costates: Callable[[Transcription, NonlinearProgram, Outcome], Sequence[np.ndarray | None]]
+    compiled: Callable[[Any], NonlinearProgram]
+    costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
 
 
 def _shooting() -> MethodKind:
@@ -72,7 +73,7 @@ def kind_of(mesh: Mesh) -> MethodKind:
 
 
 def transcribe(
-    problem: Problem, meshes: Sequence[Mesh], guess: Sequence | None = None, templates: bool = True
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None, templates: bool = True
 ) -> Transcription:
     """Transcribe a problem on one mesh for each of its phases.
 

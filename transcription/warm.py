@@ -44,7 +44,9 @@ def warm_start(old: Solved, transcription: Transcription, nlp: NonlinearProgram)
     """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,)."""
     y = np.zeros(nlp.m)
     for layout, trajectory in zip(transcription.phases, old.trajectories, strict=True):
-        costate = trajectory.at(layout.mesh.fractions).costate * transcription.problem.sense
+        sample = trajectory.at(layout.mesh.fractions)
+        assert sample.costate is not None  # multipliers with densities have costates
+        costate = sample.costate * transcription.problem.sense
         mu = [group.scheme.defect_multipliers(costate[:, group.nodes]) for group in layout.mesh.groups]
         for family in transcription.families:
             if family.phase != layout.phase.name:

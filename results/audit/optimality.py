@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Phase, Range
+from ...problems.problem import Function, Phase, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ..file.reload import Reloaded
 from .check import Check, at
@@ -21,7 +23,7 @@ IN_LAGRANGIAN = (PATH, RESIDUAL, INTEGRAL)  # of constraints in H and L
 class _Hamiltonian:
     """H and L of one phase along the collocation points, sums of weight * function, for the minimised objective."""
 
-    def __init__(self, result: Reloaded, number: int):
+    def __init__(self, result: Reloaded, number: int) -> None:
         self.trajectory = result.trajectories[number]
         self.phase: Phase = self.trajectory.phase
         self.points = self.trajectory.mesh.collocated
@@ -29,7 +31,7 @@ class _Hamiltonian:
         costate = sense * self.trajectory.point_costate[:, self.points]
         self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
-        self.constraints = []
+        self.constraints: list[tuple[np.ndarray, Function]] = []
         self.equations: list[bool] = []  # whether each of the constraints is one
         named = {(kind, c.name): c for kind in IN_LAGRANGIAN for c in getattr(phase, kind.functions)}
         for (kind, name), multiplier in self._multipliers(result).items():
@@ -73,11 +75,11 @@ class _Hamiltonian:
         for i, (multiplier, function) in enumerate(self.constraints):
             acts = self.equations[i] | (np.abs(multiplier) > ACTIVE * np.abs(multiplier).max(initial=0.0))
             for j, variable in enumerate(inputs):
-                slope = self.derivative(lambda v, f=function: f(v, np), values, variable.name)
+                slope = self.derivative(partial(_of_arrays, function), values, variable.name)
                 found[:, i, j] = np.where(acts, slope, 0.0)
         return found
 
-    def derivative(self, function, values: dict, name: str) -> np.ndarray:
+    def derivative(self, function: Callable[[dict], Any], values: dict, name: str) -> np.ndarray:
         """Of a function of the values by one of them, by the complex step."""
         shifted = {**values, name: values[name] + COMPLEX_STEP * 1j}
         return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
@@ -161,7 +163,11 @@ def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.
 def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
     """The largest term of dL/du along the trajectory: what its zero is the balance of."""
     sizes = [
-        np.abs(weight * hamiltonian.derivative(lambda v, f=function: f(v, np), values, name)).max()
+        np.abs(weight * hamiltonian.derivative(partial(_of_arrays, function), values, name)).max()
         for weight, function in hamiltonian.terms + hamiltonian.constraints
     ]
     return float(max(sizes)) or 1.0
+
+
+def _of_arrays(function: Function, values: dict) -> np.ndarray:
+    return function(values, np)

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.problem import Problem, Range
+from ...problems.problem import Phase, Problem, Range
 from ...problems.text import short_repr
 from .arrays import unit_of
 from .write import open_result
@@ -145,7 +145,7 @@ def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
     return {phase.name: _ranges(phase) for phase in problem.phases}
 
 
-def _ranges(phase) -> dict[str, Range]:
+def _ranges(phase: Phase) -> dict[str, Range]:
     ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
     for constraint in phase.path:
         name = getattr(constraint.function, "text", None)

@@ -83,7 +83,7 @@ def _reference(file: h5py.File) -> dict[str, Any] | None:
 
 def _error(file: h5py.File) -> dict[str, Any]:
     """The largest eta and where it is: phase, state, segment (the first is 1) and the segment's times."""
-    worst = {"max_eta": -np.inf}
+    worst: dict[str, Any] = {"max_eta": -np.inf}
     for name, phase in file["phase"].items():
         eta = phase["error/eta"][:]
         segment, state = np.unravel_index(np.nanargmax(np.nan_to_num(eta, nan=np.inf)), eta.shape)

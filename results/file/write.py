@@ -222,7 +222,7 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
     group.attrs.update(record.mesh.schemes[0].options)
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
         segment = scale_of(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
-        degrees = [scheme.degree for scheme in record.mesh.schemes]
+        degrees = [scheme.degree or 0 for scheme in record.mesh.schemes]
         forms = [int(scheme.differential) for scheme in record.mesh.schemes]
         array_of(group, "degree", degrees, [segment], "degree of the method")
         array_of(group, "differential", forms, [segment], "whether the defects are in differential form")

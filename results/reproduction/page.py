@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from html import escape
 from importlib.metadata import version
@@ -102,7 +102,7 @@ def _check(check: PaperCheck) -> list[str]:
     return [verdict, *map(escape, texts)]
 
 
-def _table(head: Sequence[str], rows, numbers: Sequence[int]) -> str:
+def _table(head: Sequence[str], rows: Iterable[Iterable[str]], numbers: Sequence[int]) -> str:
     """Cells are HTML; those of the columns in `numbers` stand at the right."""
 
     def cell(column: int, text: str) -> str:

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from pyomo.core import Block, ConcreteModel, Objective, Var
 
-from ...problems.problem import Problem
+from ...problems.problem import Curves, Problem
 from ..layout import Layout, Transcription, places
 from ..program.compiler import CompiledNLP
 from ..program.templates import templated
@@ -40,12 +40,12 @@ from .differences import DifferenceBuilder
 from .segments import CollocationBuilder
 
 
-def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool) -> Transcription:
+def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
     """The program of collocation schemes, as `transcribe.transcribe`."""
     return _transcribe(CollocationBuilder, problem, meshes, guess, templates)
 
 
-def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool) -> Transcription:
+def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
     """The program of finite differences, as `transcribe.transcribe`."""
     return _transcribe(DifferenceBuilder, problem, meshes, guess, templates)
 
@@ -56,7 +56,7 @@ def compiled_model(transcription: Transcription) -> CompiledNLP:
 
 
 def _transcribe(
-    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool
+    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool
 ) -> Transcription:
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])

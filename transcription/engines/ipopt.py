@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 
@@ -119,7 +120,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-def _silence(problem) -> None:
+def _silence(problem: Any) -> None:
     """Keep IPOPT from printing its own, longer words for an option that it refuses.
 
     It obeys the print level only from its first solve on; that of a problem of one unknown takes 3 ms.
@@ -129,7 +130,7 @@ def _silence(problem) -> None:
     problem.solve(np.array([0.5]))
 
 
-def _problem(**definition):
+def _problem(**definition: Any) -> Any:
     """A new problem of cyipopt that takes its options from the caller only.
 
     IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
@@ -140,7 +141,7 @@ def _problem(**definition):
     return problem
 
 
-def _accepts(problem, name: str, value) -> bool:
+def _accepts(problem: Any, name: str, value: object) -> bool:
     if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
         return False
     for attempt in (value, float(value)) if isinstance(value, int) else (value,):  # IPOPT tells 1 from 1.0
@@ -152,7 +153,7 @@ def _accepts(problem, name: str, value) -> bool:
     return False
 
 
-def _cyipopt():
+def _cyipopt() -> Any:
     """Import cyipopt without scipy.optimize.
 
     cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
@@ -161,7 +162,7 @@ def _cyipopt():
     with LOCK:
         alone = threading.active_count() == 1  # another thread may be importing SciPy for itself
         if alone and "cyipopt" not in sys.modules and "scipy" not in sys.modules:
-            sys.modules["scipy"] = None
+            sys.modules["scipy"] = None  # type: ignore[assignment]  # as documented for the import system
             try:
                 import cyipopt
             finally:
@@ -173,50 +174,52 @@ def _cyipopt():
 class _Nothing:
     """The least that cyipopt takes for a problem."""
 
-    def objective(self, z):
+    def objective(self, z: np.ndarray) -> float:
         return 0.0
 
-    def gradient(self, z):
+    def gradient(self, z: np.ndarray) -> np.ndarray:
         return np.zeros_like(z)
 
 
 class _Callbacks:
     """The functions IPOPT calls, with a record of each iteration and of the last evaluation that was not finite."""
 
-    def __init__(self, nlp: NonlinearProgram, progress, stop):
+    def __init__(
+        self, nlp: NonlinearProgram, progress: Callable[[dict], None] | None, stop: Callable[[], bool] | None
+    ) -> None:
         self.nlp, self.progress, self.stop = nlp, progress, stop
-        self.record = {name: [] for name in COLUMNS}
-        self.failed = None
+        self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
+        self.failed: tuple[np.ndarray, list] | None = None
 
-    def _finite(self, function, z, *args):
+    def _finite(self, function: Callable, z: np.ndarray, *args: Any) -> Any:
         try:
             return function(z, *args)
         except NotFinite as error:
             self.failed = (np.array(z), error.names)
             raise _cyipopt().CyIpoptEvaluationError from error
 
-    def objective(self, z):
+    def objective(self, z: np.ndarray) -> float:
         return self._finite(self.nlp.objective, z)
 
-    def gradient(self, z):
+    def gradient(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.gradient, z)
 
-    def constraints(self, z):
+    def constraints(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.constraints, z)
 
-    def jacobianstructure(self):
+    def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         return self.nlp.jacobianstructure()
 
-    def jacobian(self, z):
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.jacobian, z)
 
-    def hessianstructure(self):
+    def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         return self.nlp.hessianstructure()
 
-    def hessian(self, z, y, sigma):
+    def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
         return self._finite(self.nlp.hessian, z, y, sigma)
 
-    def intermediate(self, *values):
+    def intermediate(self, *values: float) -> bool:
         for name, value in zip(COLUMNS, values, strict=True):
             self.record[name].append(value)
         if self.progress:

@@ -78,7 +78,7 @@ class Status(Enum):
     NO_MEMORY = (-102, "ran out of memory", "use fewer segments")
     FAILED = (-199, "IPOPT failed inside", "try another 'solver: {linear_solver: ...}' or report it")
 
-    def __init__(self, code: int, message: str, remedy: str):
+    def __init__(self, code: int, message: str, remedy: str) -> None:
         self.code, self.message, self.remedy = code, message, remedy
 
     @property

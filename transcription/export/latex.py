@@ -61,7 +61,7 @@ def escaped(text: str) -> str:
 
 
 class _Document:
-    def __init__(self, transcription: Transcription, stream: TextIO):
+    def __init__(self, transcription: Transcription, stream: TextIO) -> None:
         self.transcription, self.stream = transcription, stream
         self.variables = list(_variables(transcription))
         self.formula_of = Printer(
@@ -108,11 +108,11 @@ class _Document:
         self.section("Unknowns and bounds")
         rows: list[Formula] = []
         for symbol, subscripts, variables in self.variables:
-            alike: dict[tuple, list] = {}
+            alike: dict[tuple[Any, Any], list] = {}
             for k, variable in variables.items():
                 ends = (variable.value, variable.value) if variable.fixed else variable.bounds
                 alike.setdefault(ends, []).append(k)
-            rows += [_bounds(symbol, subscripts, *ends, points) for ends, points in alike.items()]
+            rows += [_bounds(symbol, subscripts, low, high, points) for (low, high), points in alike.items()]
         self.formulas(rows)
 
 
@@ -151,7 +151,7 @@ def _labels(family: Family, mesh: Mesh) -> Iterator[str]:
             yield f"{what}, segment {np.searchsorted(mesh.edges, start) + 1}{row}"
 
 
-def _bounds(symbol: str, subscripts: tuple[str, ...], lower, upper, points: list) -> Formula:
+def _bounds(symbol: str, subscripts: tuple[str, ...], lower: Any, upper: Any, points: list) -> Formula:
     """One line for all points with the same bounds."""
     variable = _name(symbol, subscripts, points[0] if len(points) == 1 else "k")
     if lower is None and upper is None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import inf, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import symengine as se
@@ -43,7 +43,7 @@ class CompiledNLP:
     Raises TemplateError for a model the compiler cannot take. Callbacks raise NotFinite.
     """
 
-    def __init__(self, model, variables: Sequence, backend: str | None = None):
+    def __init__(self, model: Any, variables: Sequence, backend: str | None = None) -> None:
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.m = len(variables), 0
         self._backend = backend or available_backend()
@@ -57,7 +57,7 @@ class CompiledNLP:
         self._numbers = np.concatenate([np.full(self.n, np.nan), self._slots.data])
         self._prepare()
 
-    def _add_constraints(self, model) -> list:
+    def _add_constraints(self, model: Any) -> list:
         groups = ComponentMap()
         for c in model.component_objects(Constraint, active=True):
             self._rows[c] = np.zeros(0, dtype=np.intp)
@@ -96,7 +96,8 @@ class CompiledNLP:
         families = []
         for over, terms in groups.items():
             with timing(self.seconds, "differentiate"):
-                arguments, outputs = self._arguments(over), {}
+                arguments = self._arguments(over)
+                outputs: dict[int, se.Basic] = {}
                 for term in terms:
                     y = _product(arguments, term.factors, term.expression, _placeholder(term))
                     outputs[term.row] = outputs.get(term.row, 0) + y
@@ -105,11 +106,12 @@ class CompiledNLP:
             families.append(self._family(list(components.values()), over, arguments, list(outputs.values()), rows))
         return families
 
-    def _add_objective(self, model) -> list[CompiledFamily]:
+    def _add_objective(self, model: Any) -> list[CompiledFamily]:
         objectives = list(model.component_objects(Objective, active=True))
         if len(objectives) != 1 or objectives[0].is_indexed() or objectives[0].sense != minimize:
             raise TemplateError(f"one scalar objective to minimise is wanted, found {[c.name for c in objectives]}")
-        cost, sums = objectives[0], []
+        cost = objectives[0]
+        sums: list = []
         with timing(self.seconds, "differentiate"):
             arguments = self._arguments(None)
             plain = _without_sums([(1, template_of(cost)[0])], arguments, cost, self.m, sums)
@@ -118,10 +120,10 @@ class CompiledNLP:
             families.append(self._family([cost], None, arguments, [plain], np.array([self.m])))
         return families
 
-    def _arguments(self, over) -> Arguments:
+    def _arguments(self, over: Any) -> Arguments:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
-    def _family(self, components, over, arguments, outputs, rows) -> CompiledFamily:
+    def _family(self, components: Any, over: Any, arguments: Any, outputs: Any, rows: np.ndarray) -> CompiledFamily:
         code = compile_family(
             [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
         )
@@ -147,7 +149,7 @@ class CompiledNLP:
             np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel() for f in self._cost_families
         ]
 
-    def rows(self, component) -> np.ndarray:
+    def rows(self, component: Any) -> np.ndarray:
         """The row numbers of a Constraint, in the order of its index set."""
         return self._rows[component]
 
@@ -165,7 +167,7 @@ class CompiledNLP:
         for f in self._families:
             f.variables[:] = self._numbers.take(f.columns)
 
-    def culprits(self, kind: str, values) -> list[tuple[str, int | None]]:
+    def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
         """What is not finite in a callback: (component name, index) each."""
         derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
         return [name for f in self._asked[kind] for name in f.culprits(derivative)]
@@ -245,10 +247,11 @@ class CompiledNLP:
 
 def _structure(pieces: list[tuple[CompiledFamily, Entries]]) -> tuple[np.ndarray, np.ndarray]:
     none = np.zeros(0, dtype=np.intp)
-    return tuple(np.concatenate([none, *(getattr(e, side) for _, e in pieces)]) for side in ("rows", "cols"))
+    entries = [own for _, own in pieces]
+    return np.concatenate([none, *(e.rows for e in entries)]), np.concatenate([none, *(e.cols for e in entries)])
 
 
-def _relation(c) -> tuple[list, object, object, object]:
+def _relation(c: Any) -> tuple[list, object, object, object]:
     """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
     e, template = template_of(c)
     if getattr(e, "strict", False) not in (False, (False, False)):
@@ -277,15 +280,15 @@ class _SumTerm(NamedTuple):
     expression: object
 
 
-def _placeholder(term: _SumTerm):
+def _placeholder(term: _SumTerm) -> Any:
     return term.total.template_iters()[0][0]
 
 
-def _product(arguments: Arguments, factors: list, e, template) -> se.Basic:
+def _product(arguments: Arguments, factors: list, e: Any, template: Any) -> se.Basic:
     return prod((arguments.translate(f, template) for f in factors), start=arguments.translate(e, template))
 
 
-def _without_sums(sides: list, arguments: Arguments, c, row: int, sums: list) -> se.Basic:
+def _without_sums(sides: list, arguments: Arguments, c: Any, row: int, sums: list) -> se.Basic:
     """The terms of a scalar row that stand in no sum over a Set; the others are put down in `sums`."""
     plain = se.Integer(0)
     for sign, side in sides:

@@ -19,7 +19,7 @@ class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a 
     kind: the callback. names: the culprits, a list of (component name, index or None).
     """
 
-    def __init__(self, kind: str, names: list[tuple[str, int | None]]):
+    def __init__(self, kind: str, names: list[tuple[str, int | None]]) -> None:
         self.kind, self.names = kind, names
         shown = ", ".join(name if index is None else f"{name}[{index}]" for name, index in names[:3])
         super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))

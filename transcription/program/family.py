@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,9 @@ class Entries:
     Raw derivatives by a fixed variable (`free` is false) are dropped, and those at one place are added.
     """
 
-    def __init__(self, rows: np.ndarray, cols: np.ndarray, free: np.ndarray, n: int, factor: np.ndarray | None = None):
+    def __init__(
+        self, rows: np.ndarray, cols: np.ndarray, free: np.ndarray, n: int, factor: np.ndarray | None = None
+    ) -> None:
         self.rows, self.cols, self._factor, self._places = rows.ravel(), cols.ravel(), factor, None
         key = np.where(free, rows * n + cols, -1).ravel()
         distinct, places = np.unique(key, return_inverse=True)
@@ -25,8 +28,10 @@ class Entries:
             self._places, self._dropped = places, int(distinct[0] < 0)
             self.rows, self.cols = np.divmod(distinct[self._dropped :], n)
 
-    def evaluate(self, function: Callable, arguments: np.ndarray, out: np.ndarray) -> None:
-        """Write the derivatives into `out`, shape (len(rows),)."""
+    def evaluate(self, function: Callable | None, arguments: np.ndarray, out: np.ndarray) -> None:
+        """Write the derivatives into `out`, shape (len(rows),). Without a function there are none."""
+        if function is None:
+            return
         if self._places is None and self._factor is None:
             function(arguments, out=out)
             return
@@ -43,7 +48,7 @@ class CompiledFamily:
     one output are added up into one row.
     """
 
-    def __init__(self, components: list, over, arguments: Arguments, rows: np.ndarray, code: Code):
+    def __init__(self, components: list, over: Any, arguments: Arguments, rows: np.ndarray, code: Code) -> None:
         self.components, self.over, self.rows, self.code = components, over, rows, code
         self.index = None if over is None else arguments.values
         size = len(arguments.values)

@@ -82,7 +82,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
         segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
         for s in range(trajectory.mesh.segments)
     ]
-    enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near))
+    enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near).tolist())
     _divide(pieces, segments)
     if merge:
         pieces = _merged(pieces, segments.needless)
@@ -143,7 +143,7 @@ class _Segments:
         """
         width, scheme = self.same(s)
         method = METHODS[scheme.name]
-        if not self.needless[s] or method.nodes is None or scheme.degree <= MIN_DEGREE:
+        if not self.needless[s] or scheme.degree is None or scheme.degree <= MIN_DEGREE:
             return width, scheme
         fewer = int(np.log10(MARGIN / max(self.share[s], 1e-16)) / max(self._decay(s), DECAY) / 2)
         return width, method.of_degree(max(scheme.degree - fewer, MIN_DEGREE))
@@ -181,7 +181,7 @@ class _Segments:
         """The scheme with enough more points to reach the tolerance, where f is smooth and the method has a choice."""
         scheme = self.trajectory.mesh.schemes[s]
         method = METHODS[scheme.name]
-        if method.nodes is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
+        if scheme.degree is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
             return None
         wanted = scheme.degree + int(np.ceil(np.log10(ratio) / decay))
         return method.of_degree(wanted) if wanted <= MAX_RAISED_DEGREE else None

@@ -28,7 +28,7 @@ class Mesh:
     schemes: tuple[Segment, ...]
     widths: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         widths = np.asarray(self.widths, float)
         if widths.ndim != 1 or not len(widths) or not (widths > 0).all():
             raise ValueError("the widths of a mesh are positive numbers, one for each segment")

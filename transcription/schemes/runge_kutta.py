@@ -20,13 +20,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
 from ...problems.text import short_repr
 from .polynomials import lagrange_basis
-from .segment import Group, Interpolant, KindOfMethod, Points
+from .segment import Group, Interpolant, KindOfMethod, Points, Segment
 
 CONTROLS = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 0.5, 1.0)}
 """Name of a control polynomial -> its nodes on a substep."""
@@ -47,7 +47,7 @@ class Table:
     source: str
     controls: tuple[str, ...] = tuple(CONTROLS)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.A.shape != (len(self.b),) * 2 or np.triu(self.A).any():
             raise ValueError(f"{self.name}: A must be square and strictly lower triangular")
 
@@ -114,6 +114,11 @@ DORMAND_PRINCE = Table(
 )
 # fmt: on
 TABLES = (HEUN, CLASSICAL, DORMAND_PRINCE)
+
+
+def shooting_scheme(segment: Segment) -> Shooting:
+    """A segment of a mesh whose kind of method is shooting, as the scheme that it is."""
+    return cast(Shooting, segment)
 
 
 @short_repr

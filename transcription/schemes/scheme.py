@@ -22,13 +22,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
-from .segment import Group, Interpolant, KindOfMethod, Points
+from .segment import Group, Interpolant, KindOfMethod, Points, Segment
+
+
+def collocation_scheme(segment: Segment) -> Scheme:
+    """A segment of a mesh whose kind of method is collocation, as the scheme that it is."""
+    return cast(Scheme, segment)
 
 
 @short_repr
@@ -64,7 +69,7 @@ class Scheme:
     densities: ClassVar[bool] = True
     simulated: ClassVar[bool] = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         d, n = len(self.sigma) - 1, len(self.c)
         if self.L.shape != (d, d + 1) or self.R.shape != (d, n):
             raise ValueError(f"{self.name}: L and R have shapes {self.L.shape} and {self.R.shape}")
@@ -122,7 +127,7 @@ class Scheme:
         counts = np.count_nonzero(self.R, axis=1)
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
 
-    def eliminate(self, node: int, row: int, x, f, h):
+    def eliminate(self, node: int, row: int, x: Any, f: Any, h: Any) -> Any:
         """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
         combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
         combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)

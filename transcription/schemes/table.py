@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -69,10 +70,10 @@ class Method:
         """The scheme; raises SpecError for a degree or a form that it does not have."""
         if self.table is not None and degree is None and form is None:
             return self.shooting()
-        if self.scheme is not None or self.table is not None:
-            if degree is not None or form is not None:
-                what = f"'{self.name}' has one degree and one form"
-                raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
+        if self.nodes is None and (degree is not None or form is not None):
+            what = f"'{self.name}' has one degree and one form"
+            raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
+        if self.scheme is not None:
             return self.scheme
         degree = DEFAULT_DEGREE if degree is None else degree
         if not 1 <= degree <= MAX_DEGREE:
@@ -155,6 +156,7 @@ def _orthogonal(method: Method, degree: int, form: str) -> Scheme:
     Radau, (D.6)); for Lobatto points, whose state polynomial has one degree more than there are nodes to carry it,
     the rows are solved for f_1, f_2, ..., which leaves f_0 in each.
     """
+    assert method.nodes is not None
     c = method.nodes(degree)
     sigma = np.union1d(c, [0.0, 1.0])
     d, n = len(sigma) - 1, len(c)
@@ -200,7 +202,7 @@ TRAPEZOID = Scheme(
 )
 
 # Defect 1 is (4.4), the integral form of 3-point Lobatto with half of defect 0 taken off: fewer dynamics in it.
-_SIMPSON = {
+_SIMPSON: dict[str, Any] = {
     "sigma": np.array([0.0, 0.5, 1.0]), "c": np.array([0.0, 0.5, 1.0]),
     "L": np.array([[-1.0, 0.0, 1.0],
                    [-0.5, 1.0, -0.5]]),
@@ -230,7 +232,7 @@ def _simulated(table: Table) -> Method:
     return Method(table.name, "shooting", "-", str(table.order), table.source, table=table)
 
 
-def _low_order(name: str, nodes, ends: str, source: str) -> Method:
+def _low_order(name: str, nodes: Callable[[int], np.ndarray], ends: str, source: str) -> Method:
     """The lowest member of a family under its own name."""
     scheme = _orthogonal(Method(name, "one point", ends, "", source, nodes=nodes), 1, "integral")
     return _fixed(replace(scheme, family="one point", degree=None), ends)

@@ -14,7 +14,7 @@ from .rows import Rows, ShootingTranscription
 class ShootingNLP:
     """The callbacks, numbers and names of `compiler.CompiledNLP`, for a transcription by shooting."""
 
-    def __init__(self, transcription: ShootingTranscription):
+    def __init__(self, transcription: ShootingTranscription) -> None:
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.sense = len(transcription.variables), transcription.problem.sense
         self._components: list[Rows] = [family.component for family in transcription.families]
@@ -47,7 +47,7 @@ class ShootingNLP:
             for phase in self._phases:
                 phase.move(self._z)
 
-    def culprits(self, kind: str, values) -> list[tuple[str, int | None]]:
+    def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
         """What is not finite in a callback: (name, index) each."""
         if kind == "constraints":
             return [self.row_name(row) for row in np.flatnonzero(~np.isfinite(values))[:10].tolist()]
@@ -66,7 +66,7 @@ class ShootingNLP:
     @callback
     def gradient(self, z: np.ndarray) -> np.ndarray:
         """df/dz, shape (n,)."""
-        return self.sense * sum(phase.gradient(self.n + 1) for phase in self._phases)[: self.n]
+        return self.sense * np.sum([phase.gradient(self.n + 1) for phase in self._phases], axis=0)[: self.n]
 
     @callback
     def constraints(self, z: np.ndarray) -> np.ndarray:
@@ -114,7 +114,7 @@ class ShootingNLP:
 class _Places:
     """Where the entries of blocks of derivatives stand, without those that are none."""
 
-    def __init__(self, blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]]):
+    def __init__(self, blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
         none = np.zeros(0, int)
         self.kept = [mask.ravel() for *_, mask in blocks]
         self.rows = np.concatenate([none, *(rows.ravel()[k] for (rows, *_), k in zip(blocks, self.kept, strict=True))])

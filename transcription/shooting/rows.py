@@ -16,19 +16,20 @@ times and the parameters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.problem import Constraint, Phase, Problem, Range
+from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..layout import Family, Layout, Transcription, places
 from ..schemes.mesh import Mesh
+from ..schemes.runge_kutta import shooting_scheme
 from .simulation import held
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns
@@ -75,7 +76,7 @@ class ShootingTranscription(Transcription):
 
 
 def by_shooting(
-    problem: Problem, meshes: Sequence[Mesh], guess: Sequence, templates: bool = True
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool = True
 ) -> ShootingTranscription:
     """The program of shooting methods, as `transcribe.transcribe`.
 
@@ -87,8 +88,8 @@ def by_shooting(
     variables, phases, rows, families = [], [], [], []
 
     def place(bounds: Range, value: float) -> int:
-        finite = tuple(b if isfinite(b) else None for b in (bounds.lower, bounds.upper))
-        variables.append(Unknown(float(value), finite))
+        lower, upper = (b if isfinite(b) else None for b in (bounds.lower, bounds.upper))
+        variables.append(Unknown(float(value), (lower, upper)))
         return len(variables) - 1
 
     for phase, mesh, start in zip(problem.phases, meshes, guess, strict=True):
@@ -115,7 +116,7 @@ def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:
-        scheme = group.scheme
+        scheme = shooting_scheme(group.scheme)
         if phase.algebraic and scheme.control == "constant":
             name = phase.algebraic[0].name
             what = f"constant controls on substeps cannot follow algebraic variables such as '{name}'"
@@ -128,7 +129,7 @@ def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[
             yield Mistake("mesh", what, "use more segments of fewer substeps each")
 
 
-def _lay_out(phase: Phase, mesh: Mesh, guess, place) -> Layout:
+def _lay_out(phase: Phase, mesh: Mesh, guess: Curves, place: Callable[[Range, float], int]) -> Layout:
     """Number the unknowns of one phase, with their values from the guess."""
     knots, nodes = set(mesh.knots.tolist()), set(mesh.collocated.tolist())
     curves, last = guess.samples(mesh.fractions), len(mesh.fractions) - 1
@@ -153,7 +154,7 @@ def _lay_out(phase: Phase, mesh: Mesh, guess, place) -> Layout:
 class _RowBuilder:
     """Numbers the rows of one phase and tells what they are."""
 
-    def __init__(self, phase: Phase, mesh: Mesh, first: int):
+    def __init__(self, phase: Phase, mesh: Mesh, first: int) -> None:
         self.phase, self.mesh, self.next = phase, mesh, first
         self.families: list[Family] = []
         self.bounded = [i for i, state in enumerate(phase.states) if state.bounds != Range()]
@@ -163,7 +164,7 @@ class _RowBuilder:
         phase, groups = self.phase, self.mesh.groups
         over_time = path_constraints(phase)
         defects = [self._take(len(g.segments), len(phase.states)) for g in groups]
-        inside = [g.nodes[:, held(g.scheme)] for g in groups]
+        inside = [g.nodes[:, held(shooting_scheme(g.scheme))] for g in groups]
         path = [self._take(*points.shape, len(over_time)) for points in inside]
         bounds = [self._take(len(points), points.shape[1] - 1, len(self.bounded)) for points in inside]
         ends = [self._take(len(c)) for c in (over_time, phase.boundary, phase.integral)]
@@ -183,7 +184,8 @@ class _RowBuilder:
         ):
             for i, constraint in enumerate(constraints):
                 self._add(rows[[i]], kind, constraint.name, constraint.bounds, (0.0, 1.0))
-        return PhaseRows(defects, path, bounds, *ends, self.bounded)
+        final, boundary, integral = ends
+        return PhaseRows(defects, path, bounds, final, boundary, integral, self.bounded)
 
     def _take(self, *shape: int) -> np.ndarray:
         rows = self.next + np.arange(prod(shape)).reshape(shape)
@@ -195,7 +197,14 @@ class _RowBuilder:
         self._add(rows.ravel(), kind, name, bounds, (times, times), self.weights[points.ravel()])
 
     def _add(
-        self, rows: np.ndarray, kind: ConstraintKind, name: str, bounds: Range, span, weights=1.0, group: int = 0
+        self,
+        rows: np.ndarray,
+        kind: ConstraintKind,
+        name: str,
+        bounds: Range,
+        span: Any,
+        weights: np.ndarray | float = 1.0,
+        group: int = 0,
     ) -> None:
         if rows.size:
             span = np.atleast_2d(np.transpose(span))
@@ -208,13 +217,14 @@ def _point_weights(mesh: Mesh) -> np.ndarray:
     """Composite quadrature weights of the points at which path constraints hold, shape (K,)."""
     weights = np.zeros(len(mesh.fractions))
     for group in mesh.groups:
-        local = [1 / 6, 4 / 6, 1 / 6] if group.scheme.control == "quadratic" else [1 / 2, 1 / 2]
-        points = np.append(held(group.scheme), len(group.scheme.sigma) - 1)
+        scheme = shooting_scheme(group.scheme)
+        local = [1 / 6, 4 / 6, 1 / 6] if scheme.control == "quadratic" else [1 / 2, 1 / 2]
+        points = np.append(held(scheme), len(scheme.sigma) - 1)
         for w, first in zip(local, range(len(local)), strict=True):
-            at = group.nodes[:, points[first :: len(local) - 1]][:, : group.scheme.substeps]
+            at = group.nodes[:, points[first :: len(local) - 1]][:, : scheme.substeps]
             weights += w * np.bincount(
                 at.ravel(),
-                np.repeat(mesh.widths[group.segments] / group.scheme.substeps, group.scheme.substeps),
+                np.repeat(mesh.widths[group.segments] / scheme.substeps, scheme.substeps),
                 len(weights),
             )
     return weights

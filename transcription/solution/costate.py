@@ -25,6 +25,8 @@ from ..constraint_kinds import DEFECT
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
 from ..program.compiler import CompiledNLP
+from ..program.contract import NonlinearProgram
+from ..schemes.scheme import collocation_scheme
 
 
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
@@ -41,7 +43,7 @@ def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, out
     costate = np.full((len(layout.phase.states), len(mesh.slot_points)), np.nan)
     for number, group in enumerate(mesh.groups):
         mu = _defect_multipliers(layout, number, transcription, nlp, outcome)
-        scheme = group.scheme
+        scheme = collocation_scheme(group.scheme)
         inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < len(scheme.sigma) - 1]
         slots = group.slots[:, [scheme.collocated[j] for j in inner]]
         costate[:, slots] = -(mu @ scheme.R[:, inner]) / scheme.b[inner]  # (1)
@@ -50,10 +52,12 @@ def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, out
     return costate
 
 
-def _defect_multipliers(layout: Layout, number: int, transcription, nlp, outcome) -> np.ndarray:
+def _defect_multipliers(
+    layout: Layout, number: int, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
+) -> np.ndarray:
     """mu of one group of segments, shape (n_x, G, d); 0 for the rows that define an eliminated state."""
     group, names = layout.mesh.groups[number], [state.name for state in layout.phase.states]
-    mu = np.zeros((len(names), len(group.segments), len(group.scheme.L)))
+    mu = np.zeros((len(names), len(group.segments), len(collocation_scheme(group.scheme).L)))
     for family in transcription.families:
         if (family.kind, family.phase, family.group) == (DEFECT, layout.phase.name, number):
             y = outcome.y[family.rows(nlp)]

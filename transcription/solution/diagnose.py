@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import symengine as se
 
-from ...problems.problem import Phase, Variable
+from ...problems.problem import Function, Phase, Variable
 from ...problems.text import shorten
 from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..engines.outcome import Outcome, Status
 from ..layout import Family, Layout, Transcription
-from ..program.compiler import CompiledNLP
+from ..program.contract import NonlinearProgram
 from .trajectory import Trajectory, trajectories
 
 LISTED = 6
@@ -45,7 +45,9 @@ NEVER_RAN = (Status.INVALID_OPTION, Status.INVALID_PROBLEM, Status.NO_MEMORY)
 """What the guess violates is no reason for these."""
 
 
-def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
+def diagnose(
+    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
+) -> tuple[tuple[Violation, ...], str]:
     """The constraints that the last iterate violates, worst first, and what explains the failure, or ""."""
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), ""
@@ -61,7 +63,7 @@ def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -
     return found, _runaway(transcription, outcome)
 
 
-def violations(transcription: Transcription, nlp: CompiledNLP, z: np.ndarray) -> list[Violation]:
+def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) -> list[Violation]:
     """The largest violation of each constraint at z, shape (n,), worst first; without those that do not matter."""
     g = nlp.constraints_unchecked(z)
     excess = np.maximum(np.maximum(nlp.cl - g, g - nlp.cu), 0.0)
@@ -99,7 +101,7 @@ def _what(phase: str, kind: ConstraintKind, name: str) -> str:
 # -- constraints that contradict each other ------------------------------------------------------------------------
 
 
-def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> str:
+def _conflict(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> str:
     """Which constraints stand in each other's way at a point of least infeasibility.
 
     There IPOPT's multipliers are those of its restoration phase, which minimises the sum of all violations: zero for
@@ -116,7 +118,14 @@ def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) 
     return f"these cannot all hold: {', '.join([*parts[:LISTED], *more])}"
 
 
-def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, phases, *, limit) -> Iterator[str]:
+def _constraints_in_conflict(
+    transcription: Transcription,
+    nlp: NonlinearProgram,
+    outcome: Outcome,
+    phases: Mapping[str, Trajectory],
+    *,
+    limit: float,
+) -> Iterator[str]:
     constraints: dict[tuple[str, ConstraintKind, str], list[Family]] = {}
     for family in transcription.families:
         if not family.kind.model:
@@ -146,7 +155,7 @@ def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory
     yield from ends
 
 
-def _count(transcription: Transcription, nlp: CompiledNLP) -> str:
+def _count(transcription: Transcription, nlp: NonlinearProgram) -> str:
     """How many equalities there are, of which kind, and how many unknowns."""
     ranges = [variable.bounds for variable in transcription.variables]
     free = sum(lower is None or lower != upper for lower, upper in ranges)
@@ -193,13 +202,13 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
     return f"a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
 
 
-def _value_fault(function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
+def _value_fault(function: Function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
     return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
 
 
-def _derivative_fault(function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
+def _derivative_fault(function: Function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
     """The same for its first or second derivatives, which IPOPT needs as well."""
     symbols = {name: se.Symbol(name) for name in values}
     expression = se.sympify(function(symbols, se))

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.problem import Function, Range
 from ...problems.text import short_repr
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory
@@ -183,7 +183,7 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
         yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), float(np.ptp(g)))
 
 
-def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
+def _values(trajectory: Trajectory, function: Function, sample: Sample) -> np.ndarray:
     values = trajectory.phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     return np.broadcast_to(function(values, np), sample.t.shape)
 

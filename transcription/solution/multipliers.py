@@ -129,7 +129,7 @@ class Multipliers:
         """Multiplier times residual of the equations, shape (m,): what it is worth that they hold to a tolerance."""
         return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
 
-    def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound) -> np.ndarray:
+    def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound: np.ndarray | float) -> np.ndarray:
         """theta, see above; multiplier: per normalised time, for what is bounded over time."""
         size = 1 + np.abs(bound)
         nu, s = np.abs(multiplier) * size / (1 + abs(self.outcome.objective)), np.maximum(slack, 0.0) / size
@@ -190,7 +190,8 @@ class Multipliers:
 
     def of_controls(self, layout: Layout, duration: float) -> list[Density]:
         """What bounds the controls beside their own bounds: path constraints, and bounds of algebraic variables."""
-        phase, found = layout.phase, []
+        phase = layout.phase
+        found: list[Density] = []
         if not phase.controls:
             return found
         for c in phase.path:

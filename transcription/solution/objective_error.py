@@ -50,6 +50,7 @@ import numpy as np
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
+from ..program.contract import NonlinearProgram
 from .lagrangian import TERMS, PhaseLagrangian
 from .multipliers import Multipliers
 from .trajectory import Trajectory
@@ -83,7 +84,7 @@ class ObjectiveError:
 
 @np.errstate(all="ignore")
 def objective_error(
-    transcription: Transcription, nlp, outcome: Outcome, trajectories: Sequence[Trajectory]
+    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, trajectories: Sequence[Trajectory]
 ) -> ObjectiveError:
     """The error of the objective of an outcome, from its trajectories with costates (see `costate`)."""
     if why_not := _why_not(outcome, trajectories):
@@ -94,7 +95,7 @@ def objective_error(
     if why_not := next((phase.why_not for phase in phases if phase.why_not), ""):
         return ObjectiveError(why_not=why_not)
     terms = {kind: tuple(sense * own.signed[kind] for own in found) for kind in TERMS}
-    segments = tuple(sum(own) for own in zip(*terms.values(), strict=True))
+    segments = tuple(np.sum(own, axis=0) for own in zip(*terms.values(), strict=True))
     shares = tuple(own.shares for own in found)
     single, missed = multipliers.at_ends, multipliers.missed
     correction = float(sum(s.sum() for s in segments)) + sense * (single + float(missed.sum()))

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -103,7 +103,7 @@ class Trajectory:
     def _sample(self, segments: np.ndarray, tau: np.ndarray, common: bool) -> Sample:
         """tau is common to all segments, shape (M,), or each segment has one, shape (G,)."""
 
-        def combine(nodal, basis):
+        def combine(nodal: np.ndarray, basis: np.ndarray) -> Any:
             return nodal @ basis.T if common else (nodal * basis).sum(axis=-1)
 
         lift = (slice(None), None) if common else slice(None)
@@ -124,13 +124,14 @@ class Trajectory:
             x[:, here] = combine(nodes, X) + h[lift] * combine(f, F)
             dx[:, here] = combine(nodes, dX) / h[lift] + combine(f, dF)
             u[:, here] = combine(self.u[:, group.collocated[row]], U)
-            if costate is not None:
+            if costate is not None and self.costate is not None:
                 costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
         return Sample(t, x, u, dx, costate)
 
     @property
     def point_costate(self) -> np.ndarray:
         """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
+        assert self.costate is not None
         points = self.mesh.slot_points
         sides = np.bincount(points)
         return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
@@ -150,8 +151,8 @@ class Trajectory:
         inside = self.grid(np.arange(segments), np.arange(count) / count)
         end = self.grid(np.array([segments - 1]), np.ones(1))
 
-        def join(a, b):
-            if a is None:
+        def join(a: np.ndarray | None, b: np.ndarray | None) -> Any:
+            if a is None or b is None:
                 return None
             return np.concatenate([a.reshape(*a.shape[:-2], a.shape[-2] * a.shape[-1]), b[..., 0]], axis=-1)
 

@@ -7,6 +7,7 @@ are drawn for both.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -110,7 +111,7 @@ def trajectory(walker: str, solved: Solutions) -> Figure:
 def error(walker: str, solved: Solutions) -> Figure:
     figure, axes = grid([1.0] * 5, 2, 2.9, down=0.65)
     for i, pair in zip(LINKS, axes, strict=True):
-        draw_error(tuple(pair), solved[walker].result, f"q{i}")
+        draw_error((pair[0], pair[1]), solved[walker].result, f"q{i}")
     return figure
 
 
@@ -142,7 +143,7 @@ def _draw_points(ax: Axes, points: np.ndarray, letter: str, first: int, what: st
     ax.plot(*points.T, marker, color=color, markersize=8, label=f"{what} ${letter}_i$", zorder=3)
     for i, point in enumerate(points, start=first):
         side, align = (1, "left") if i > 3 else (-1, "right")
-        place = {"xytext": (10 * side, 8 if point[1] == 0 else 0), "textcoords": "offset points"}
+        place: dict[str, Any] = {"xytext": (10 * side, 8 if point[1] == 0 else 0), "textcoords": "offset points"}
         ax.annotate(f"${letter}_{i}$", point, ha=align, va="center", fontsize=12, color=color, **place)
 
 

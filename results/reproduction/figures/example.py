@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -95,7 +96,12 @@ def draw(ax: Axes, solved: SolvedRun, name: str, label: str = "", colour: str = 
     control = name in phase.curves.get("control", {})
     knot = phase.at_knot
     ax.plot(phase.dense_time, curve.dense, color=colour or (VERMILION if control else BLUE), zorder=2)
-    circle = {"markersize": 3.2, "markerfacecolor": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7}
+    circle: dict[str, Any] = {
+        "markersize": 3.2,
+        "markerfacecolor": "none",
+        "markeredgecolor": BLACK,
+        "markeredgewidth": 0.7,
+    }
     ax.plot(phase.time[knot], curve.points[knot], "o", zorder=3, **circle)
     ax.set_ylabel(with_unit(label or name, curve.unit))
     ax.yaxis.set_major_formatter(Numbers())
