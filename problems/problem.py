@@ -108,6 +108,23 @@ class Constraint:
     bounds: Range
 
 
+class Curves(Protocol):
+    """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.
+
+    initial_time, final_time: in `Phase.time_unit`. parameters: name of each static parameter -> its value.
+    """
+
+    @property
+    def initial_time(self) -> float: ...
+    @property
+    def final_time(self) -> float: ...
+    @property
+    def parameters(self) -> Mapping[str, float]: ...
+    def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
+        """Name of each state and input -> its values at normalised times s, any shape."""
+        ...
+
+
 @short_repr
 @dataclass(frozen=True)
 class Guess:

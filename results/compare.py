@@ -30,7 +30,8 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
     (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no result,
     SpecError if it has no state or phase in common with the first.
     """
-    first, rows = read_result(paths[0]), []
+    first = read_result(paths[0])
+    rows: list[dict[str, Any]] = []
     for path in paths:
         summary, result = summarize(path), read_result(path)
         mesh = summary["meshes"][-1]

@@ -9,6 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from trajopt.transcription import constraint_kinds
+from trajopt.transcription.constraint_kinds import ConstraintKind
+from trajopt.transcription.schemes.segment import Segment
+from trajopt.transcription.schemes.table import METHODS
+from trajopt.transcription.transcribe import METHOD_KINDS
+
 ROOT = Path(__file__).parent.parent
 LAYERS = ("problems", "transcription", "results", "cli")
 MAX_FILES = 12
@@ -164,3 +170,28 @@ def test_every_module_is_named_in_the_design_notes(layer):
         if path.name != "__init__.py":
             found["/".join(path.relative_to(ROOT / layer).parent.parts) or "doors"].add(path.stem)
     assert rooms == found
+
+
+def test_only_the_room_of_result_files_knows_hdf5():
+    importing = {path for path in FILES if re.search(r"^ *(import|from) h5py", path.read_text(), re.M)}
+    assert {path.parent.relative_to(ROOT).as_posix() for path in importing} == {"results/file"}
+
+
+def test_what_depends_on_a_method_or_a_constraint_is_asked_of_it():
+    """Kinds of methods are told apart in their table only, and kinds of constraints in theirs."""
+    kinds = "|".join(row.name for row in vars(constraint_kinds).values() if isinstance(row, ConstraintKind))
+    for path in FILES:
+        text = path.read_text()
+        assert not re.search(r"isinstance\([^()]*(\([^()]*\))?[^()]*, *(Scheme|FiniteDifference|Shooting)\b", text), (
+            path
+        )
+        assert not re.search(rf"\.kind (==|!=|in|not in) \(?[\"']({kinds})[\"']", text), path
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_says_what_a_segment_says(name):
+    scheme = METHODS[name].of_degree()
+    asked = [key for key in vars(Segment) if not key.startswith("_")]
+    assert len(asked) > 20
+    assert [key for key in asked if not hasattr(scheme, key)] == []
+    assert scheme.kind in METHOD_KINDS

@@ -44,7 +44,7 @@ def test_the_first_is_the_measure(results):
 def test_good_results_on_different_meshes_agree(tmp_path):
     """To what both are good for: straight lines between dense points would differ by 1e-5."""
     for segments in (30, 60):
-        mesh = f"mesh=[{{method: radau, segments: {segments}, degree: 10}}]"
+        mesh = f"mesh=[{{method: radau, segments: {segments}, degree: 10, tolerance: 1e-10}}]"
         solved_once(tmp_path / f"{segments}.h5", "cartpole", "--set", mesh)
     _, other = compare([tmp_path / "30.h5", tmp_path / "60.h5"])
     assert other["max_eta"] < 1e-9

@@ -16,7 +16,7 @@ from pyomo_models import free, random_point, small, trajectory, two_phases
 
 from trajopt.transcription.program import machine_code
 from trajopt.transcription.program.compiler import CompiledNLP
-from trajopt.transcription.program.family import NotFinite
+from trajopt.transcription.program.contract import NotFinite
 from trajopt.transcription.program.machine_code import available_backend
 from trajopt.transcription.program.templates import TemplateError, templated
 from trajopt.transcription.schemes.mesh import Mesh

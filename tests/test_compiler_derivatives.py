@@ -108,7 +108,7 @@ def test_terms_of_the_lagrangian_add_up_to_its_gradient(scheme):
     total, sets = np.zeros(nlp.n), set()
     for over, index, columns, terms in nlp.lagrangian_terms(z, y):
         assert columns.shape == terms.shape == (1 if index is None else len(index), columns.shape[1])
-        sets.add(None if over is None else over.name)
+        sets.add(over)
         free_terms = columns < nlp.n
         np.add.at(total, columns[free_terms], terms[free_terms])
     jac, _ = dense(nlp, z, y, 1.0)

@@ -11,8 +11,8 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.transcription.engines import ipopt
-from trajopt.transcription.engines.ipopt import COLUMNS, Start, check_options
-from trajopt.transcription.engines.outcome import Status
+from trajopt.transcription.engines.ipopt import check_options
+from trajopt.transcription.engines.outcome import COLUMNS, Start, Status
 from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
@@ -46,7 +46,7 @@ def program():
 
 def run(options=None, start=None, progress=None, stop=None):
     nlp, z, lower, upper = program()
-    return ipopt.solve(nlp, z, lower, upper, options, start=start, progress=progress, stop=stop)
+    return ipopt.solve_program(nlp, z, lower, upper, options, start=start, progress=progress, stop=stop)
 
 
 def test_every_status_of_cyipopt_is_told_in_words():
@@ -141,11 +141,11 @@ def test_starting_from_the_solution_takes_almost_no_iterations():
     nlp, _, lower, upper = program()
     outcome = run()
     start = Start(outcome.y, outcome.z_lower, outcome.z_upper)
-    again = ipopt.solve(nlp, outcome.z, lower, upper, start=start)
+    again = ipopt.solve_program(nlp, outcome.z, lower, upper, start=start)
     assert again.status is Status.SOLVED
     assert len(again.iterations["mu"]) <= 4 < len(outcome.iterations["mu"])
     assert again.objective == pytest.approx(outcome.objective, rel=1e-9)
-    cold = ipopt.solve(nlp, outcome.z, lower, upper)
+    cold = ipopt.solve_program(nlp, outcome.z, lower, upper)
     assert len(again.iterations["mu"]) < len(cold.iterations["mu"])
 
 

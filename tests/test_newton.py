@@ -23,7 +23,7 @@ def program(objective=lambda x1, x2: 0 * x1, *constraints):
 
 
 def run(nlp, start, lower=(-np.inf, -np.inf), upper=(np.inf, np.inf), **options):
-    return newton.solve(nlp, np.array(start, float), np.array(lower, float), np.array(upper, float), options)
+    return newton.solve_program(nlp, np.array(start, float), np.array(lower, float), np.array(upper, float), options)
 
 
 @pytest.mark.parametrize("line_search", ["no", "yes"])
@@ -85,7 +85,7 @@ def test_iteration_limit_and_interruption():
     nlp = program(lambda a, b: a**2 + b**2, lambda a, b: a * b == 3)
     assert run(nlp, (2, 1), max_iter=1).status is Status.MAX_ITERATIONS
     free = np.full(2, np.inf)
-    assert newton.solve(nlp, np.ones(2), -free, free, stop=lambda: True).status is Status.INTERRUPTED
+    assert newton.solve_program(nlp, np.ones(2), -free, free, stop=lambda: True).status is Status.INTERRUPTED
 
 
 def test_a_function_without_value_is_named():

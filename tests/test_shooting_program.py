@@ -7,8 +7,9 @@ from exact import growth, integration
 from named import problem_named
 
 from trajopt.problems.problem import Constraint, Problem, Range
+from trajopt.transcription.constraint_kinds import BOUND, PATH
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.program.family import NotFinite
+from trajopt.transcription.program.contract import NotFinite
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Step
@@ -51,7 +52,7 @@ def test_derivatives_are_exact(name, method, substeps, control):
 def test_a_segment_does_not_depend_on_controls_to_come():
     transcription = transcribe(problem_named("bryson_denham"), [Mesh.of(find("runge-kutta-4", substeps=3), 2)])
     nlp, (layout,) = compiled(transcription), transcription.phases
-    limit = next(f for f in transcription.families if f.kind in ("path", "bound"))
+    limit = next(f for f in transcription.families if f.kind in (PATH, BOUND))
     rows, columns = nlp.jacobianstructure()
     for row, time in zip(limit.rows(nlp), limit.span[:, 0], strict=True):
         later = layout.u[:, layout.mesh.fractions > time + 0.1].ravel()  # a middle sees the end of its substep

@@ -23,7 +23,7 @@ from trajopt.results.file import write as store
 from trajopt.results.file.guess import guess_from
 from trajopt.results.file.summary import summarize
 from trajopt.results.file.write import write
-from trajopt.transcription.engines.ipopt import COLUMNS
+from trajopt.transcription.engines.outcome import COLUMNS
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
 

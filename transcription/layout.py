@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from pyomo.core import ConcreteModel, Constraint
 
 from ..problems.problem import Phase, Problem
 from ..problems.text import short_repr
+from .constraint_kinds import ConstraintKind
+from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
 
@@ -18,16 +20,14 @@ from .schemes.mesh import Mesh
 class Family:
     """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
 
-    kind: "defect", "residual", "path", "path end" (of a path constraint at an end that is no collocation point),
-    "bound" (of a state that is no variable), "boundary" or "integral". name: of the state or the constraint. span:
-    (M, 2) normalised times that each constraint covers. weights: (M,) quadrature weights of the points of a constraint
-    that holds over time, else 1. group, row: of the mesh and of the scheme's defects; a
-    component that holds several rows of each segment has a tuple of them. part: of the component.
+    name: of the state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,)
+    quadrature weights of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the
+    scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
-    component: Constraint
+    component: Any  # a Constraint of Pyomo, or shooting's `Rows`
     phase: str
-    kind: str
+    kind: ConstraintKind
     name: str
     span: np.ndarray
     weights: np.ndarray
@@ -35,7 +35,7 @@ class Family:
     row: int | tuple[int, ...] = 0
     part: slice = field(default_factory=lambda: slice(None))
 
-    def rows(self, nlp) -> np.ndarray:
+    def rows(self, nlp: NonlinearProgram) -> np.ndarray:
         """The numbers of its rows in a compiled program, shape (M,)."""
         return nlp.rows(self.component)[self.part]
 
@@ -45,8 +45,8 @@ class Family:
 class Layout:
     """Where the unknowns of one phase stand: x (n_x, K), inputs u (n_u, K), t (2,); -1 where there is no unknown.
 
-    owners: id of a Set of the model whose elements belong to segments each -> the segment of each element.
-    explicit: id of the Set of the points at which states are variables and the dynamics are collocated, or of None.
+    owners: name of a Set of the model whose elements belong to segments each -> the segment of each element.
+    explicit: name of the Set of the points at which states are variables and the dynamics are collocated, if any.
     """
 
     phase: Phase
@@ -54,8 +54,29 @@ class Layout:
     x: np.ndarray
     u: np.ndarray
     t: np.ndarray
-    owners: Mapping[int, np.ndarray]
-    explicit: int
+    owners: Mapping[str, np.ndarray] = field(default_factory=dict)
+    explicit: str = ""
+
+
+def places(
+    phase: Phase,
+    mesh: Mesh,
+    state: Callable[[int, int], int],
+    own_input: Callable[[int, int], int],
+    time: Callable[[int], int],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Number the unknowns of a phase point by point, (x_0, u_0, x_1, u_1, ...), the times last: x, u, t of a `Layout`.
+
+    state, own_input: (which, point) -> the number of the unknown, or -1 where there is none; time: 0 or 1 likewise.
+    """
+    K = len(mesh.fractions)
+    x, u = np.full((len(phase.states), K), -1), np.full((len(phase.inputs), K), -1)
+    for k in range(K):
+        for i in range(len(x)):
+            x[i, k] = state(i, k)
+        for i in range(len(u)):
+            u[i, k] = own_input(i, k)
+    return x, u, np.array([time(0), time(1)])
 
 
 @short_repr
@@ -64,7 +85,7 @@ class Transcription:
     """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""
 
     problem: Problem
-    model: ConcreteModel | None
+    model: Any
     variables: tuple
     phases: tuple[Layout, ...]
     parameters: np.ndarray

@@ -6,7 +6,7 @@ whether there is a nonlinear program at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -30,17 +30,19 @@ def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
     """
     from ..problems.catalog import find_problem
     from ..problems.load import load
+    from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
-    return _with_methods_checked(load(find_problem(name), overrides, tuple(METHODS), _check_options))
+    return _with_methods_checked(load(find_problem(name), overrides, tuple(METHODS), check_engine_options))
 
 
 def load_yaml(text: str, overrides: Sequence[str] = ()) -> Spec:
     """As `load_file`, from the text of a problem file; messages call it "text"."""
     from ..problems.load import load_text
+    from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
-    return _with_methods_checked(load_text(text, TEXT, overrides, tuple(METHODS), _check_options))
+    return _with_methods_checked(load_text(text, TEXT, overrides, tuple(METHODS), check_engine_options))
 
 
 def _with_methods_checked(spec: Spec) -> Spec:
@@ -98,15 +100,3 @@ def located(spec: Spec) -> Iterator[None]:
         yield
     except SpecError as error:
         raise SpecError(spec.locate(error.mistakes)) from error
-
-
-def _check_options(engine: str, options: Mapping[str, object]) -> list[Mistake]:
-    if not options:
-        return []
-    if engine == "newton":
-        from .engines.newton import check_options
-
-        return check_options(options)
-    from .engines.ipopt import check_options as ask_ipopt
-
-    return ask_ipopt(options)

@@ -9,19 +9,20 @@ from functools import partial
 
 import numpy as np
 
-from ..problems.problem import Problem
+from ..problems.problem import Curves, Problem
 from .engines.outcome import Outcome, Status
+from .engines.table import engine_solve
 from .layout import bounded_start
 from .program.alone import building
+from .program.contract import NonlinearProgram
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
-from .solution.costate import with_costates
 from .solution.diagnose import diagnose
 from .solution.error import ErrorProfile, error_profile
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
-from .transcribe import compiled, transcribe
+from .transcribe import compiled, transcribe, with_costates
 from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
@@ -48,7 +49,7 @@ class Watch:
 class Origin:
     """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any."""
 
-    guess: Sequence | None
+    guess: Sequence[Curves] | None
     solved: Solved | None
 
 
@@ -80,8 +81,8 @@ def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
     """The coarse meshes of large ones; None for others, and where some cannot be made coarse."""
     if sum(len(mesh.fractions) for mesh in meshes) <= LARGE:
         return None
-    coarse = [mesh.coarsened(COARSE) for mesh in meshes]
-    return coarse if all(coarse) else None
+    coarse = [coarsened for mesh in meshes if (coarsened := mesh.coarsened(COARSE))]
+    return coarse if len(coarse) == len(meshes) else None
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
@@ -95,11 +96,11 @@ def _run(
         nlp = compiled(transcription)
         clock.append(time.perf_counter())
         z, lower, upper = bounded_start(transcription)
-    duals = start.solved and start.solved.has_densities(transcription)
-    multipliers = warm_start(start.solved, transcription, nlp) if duals else None
+    before = start.solved
+    multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
-    outcome = settings.engine_solve(
+    outcome = engine_solve(settings.engine)(
         nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
     )
     clock.append(time.perf_counter())
@@ -114,7 +115,7 @@ def _run(
     return solution, Solved(transcription, nlp, outcome, phases)
 
 
-def _seconds(clock: Sequence[float], nlp) -> dict[str, float]:
+def _seconds(clock: Sequence[float], nlp: NonlinearProgram) -> dict[str, float]:
     """Seconds by part, from the times at which building began and ended, the program was ready, the engine ended, and
     the solution was measured.
     """
@@ -136,7 +137,7 @@ def _record(
     tolerance: float,
     objective: float,
     errors: Sequence[ErrorProfile],
-    nlp,
+    nlp: NonlinearProgram,
     outcome: Outcome,
     seconds: Mapping[str, float],
 ) -> MeshRecord:

@@ -21,8 +21,7 @@ import numpy as np
 from ..problems.problem import Range, Variable
 from ..problems.text import short_repr
 from .layout import Transcription
-from .program.compiler import CompiledNLP
-from .program.family import NotFinite
+from .program.contract import NonlinearProgram, NotFinite
 
 SIZES = (1e-4, 1e4)
 LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
@@ -39,7 +38,7 @@ class Scaling:
     sizes: Mapping[str, float]
 
 
-def scale(transcription: Transcription, nlp: CompiledNLP, z: np.ndarray, given: Mapping[str, float]) -> Scaling:
+def scale(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, given: Mapping[str, float]) -> Scaling:
     """The scaling at the initial values z, shape (n,); `given` are sizes from the problem file."""
     sizes = _sizes(transcription, z) | dict(given)
     factors = np.ones(nlp.n)
@@ -73,7 +72,7 @@ def _size(variable: Variable, values: np.ndarray) -> float:
 
 
 def _rows(
-    transcription: Transcription, nlp: CompiledNLP, z, factors: np.ndarray, sizes: Mapping[str, float]
+    transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, factors: np.ndarray, sizes: Mapping[str, float]
 ) -> np.ndarray:
     g = np.ones(nlp.m)
     largest = np.zeros(nlp.m)
@@ -84,14 +83,14 @@ def _rows(
         largest[:] = 1.0
     for family in transcription.families:
         rows = family.rows(nlp)
-        if family.kind in ("defect", "bound"):
+        if family.kind.sized:
             g[rows] = 1 / sizes[family.name]
         else:
             g[rows] = 1 / np.clip(largest[rows].max(initial=1.0), 1.0, SIZES[1])
     return g
 
 
-def _objective(nlp: CompiledNLP, z: np.ndarray, factors: np.ndarray) -> float:
+def _objective(nlp: NonlinearProgram, z: np.ndarray, factors: np.ndarray) -> float:
     try:
         largest = float((np.abs(nlp.gradient(z)) / factors).max(initial=0.0))
     except NotFinite:

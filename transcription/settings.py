@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..problems.schema.solving import MeshEntry
 from ..problems.schema.spec import Spec
-from .engines import ipopt
-from .engines.outcome import Outcome, Status
+from .engines.outcome import Status
 from .schemes.mesh import Mesh
 from .schemes.table import find
 
@@ -72,15 +71,6 @@ class Settings:
     coarse_start: bool = True
     seconds: float | None = None
 
-    @property
-    def engine_solve(self) -> Callable[..., Outcome]:
-        """The solve function of the engine; SciPy, which Newton needs, is imported only for it."""
-        if self.engine == "ipopt":
-            return ipopt.solve
-        from .engines import newton
-
-        return newton.solve
-
 
 DEFAULT = Settings()
 
@@ -92,7 +82,14 @@ def settings_of(spec: Spec) -> Settings:
         engine=spec.solver.engine,
         accept=Status.ACCEPTABLE if spec.solver.accept == "acceptable" else Status.SOLVED,
         refine=Refine(spec.refine.tolerance, spec.refine.max_meshes, spec.refine.objective) if spec.refine else None,
-        scaling={"none": None, "auto": {}}[spec.scaling] if isinstance(spec.scaling, str) else spec.scaling,
+        scaling=_scaling(spec),
         coarse_start=spec.solver.coarse_start,
         seconds=spec.solver.seconds,
     )
+
+
+def _scaling(spec: Spec) -> Mapping[str, float] | None:
+    """As of `Settings`: a file says none, auto, or the sizes of some variables."""
+    if spec.scaling == "none":
+        return None
+    return {} if isinstance(spec.scaling, str) else spec.scaling

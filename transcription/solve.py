@@ -12,7 +12,7 @@ from math import inf
 import numpy as np
 
 from ..problems.errors import SpecError
-from ..problems.problem import Problem
+from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .one_mesh import Origin, Watch, solve_mesh
@@ -60,7 +60,7 @@ def solve(
     schedule: Sequence[Step],
     settings: Settings = DEFAULT,
     *,
-    guess: Sequence | None = None,
+    guess: Sequence[Curves] | None = None,
     progress: Callable[[int, dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Solution:
@@ -73,7 +73,10 @@ def solve(
     mesh of the same problem is interrupted or runs out of time. The history tells of every mesh solved, a coarse one
     before a large first one too.
     """
-    steps, history, unmet, stopped, notes = planned(problem, schedule), [], (), "", ()
+    steps, stopped = planned(problem, schedule), ""
+    history: list[MeshRecord] = []
+    unmet: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     start, good, limit = Origin(guess, None), None, _Limit(settings.seconds, stop)
     for number in count():
         own_solve = solve_mesh if number else solve_first_mesh
@@ -120,7 +123,7 @@ def solve(
 class _Limit:
     """When a solve has to end: at the time limit, in seconds from now, or when `stop` says so."""
 
-    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None):
+    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None) -> None:
         self.end, self.stop = inf if seconds is None else time.monotonic() + seconds, stop
 
     def reached(self) -> bool:

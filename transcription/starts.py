@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..problems.probe import depends_on
-from ..problems.problem import Guess, Phase, Problem, Variable
+from ..problems.problem import Curves, Guess, Phase, Problem, Variable
 
 POINTS = 101
 """Of a simulated trajectory."""
@@ -129,7 +129,7 @@ def _runge_kutta_step(phase: Phase, t: float, h: float, x: np.ndarray, u: np.nda
     return step
 
 
-def without_effect(problem: Problem, guesses: Sequence[Guess]) -> list[str]:
+def without_effect(problem: Problem, guesses: Sequence[Curves]) -> list[str]:
     """The controls that nothing depends on in first order along a first trajectory, though the dynamics do in general.
 
     guesses: one for each phase, or the trajectories of a solution.
@@ -142,10 +142,10 @@ def without_effect(problem: Problem, guesses: Sequence[Guess]) -> list[str]:
     ]
 
 
-def _without_effect(phase: Phase, guess: Guess, name: str) -> bool:
+def _without_effect(phase: Phase, guess: Curves, name: str) -> bool:
     rates = [state.rate for state in phase.states if depends_on(state.rate, {name})]
     s = np.linspace(0.0, 1.0, POINTS)
-    values = {**guess.samples(s), **guess.parameters}
+    values: dict[str, Any] = {**guess.samples(s), **guess.parameters}
     values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
     values[name] = values[name] + 1j * TINY
     with np.errstate(all="ignore"):

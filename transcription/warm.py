@@ -17,13 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problems.text import short_repr
-from .engines.ipopt import Start
-from .engines.outcome import Outcome
+from .constraint_kinds import Multiplier
+from .engines.outcome import Outcome, Start
 from .layout import Family, Layout, Transcription
-from .program.compiler import CompiledNLP
-from .schemes.mesh import Group
-from .schemes.runge_kutta import Shooting
-from .schemes.scheme import Scheme
+from .program.contract import NonlinearProgram
 from .solution.trajectory import Trajectory
 
 
@@ -33,32 +30,30 @@ class Solved:
     """What a solve leaves for the next one."""
 
     transcription: Transcription
-    nlp: CompiledNLP
+    nlp: NonlinearProgram
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
 
     def has_densities(self, transcription: Transcription) -> bool:
         """Whether both this mesh and the next give multipliers a meaning over time."""
         layouts = (*self.transcription.phases, *transcription.phases)
-        return all(_has_densities(scheme) for layout in layouts for scheme in layout.mesh.schemes)
+        return all(scheme.densities for layout in layouts for scheme in layout.mesh.schemes)
 
 
-def _has_densities(scheme) -> bool:
-    """Whether every point with an unknown has a quadrature weight; not where controls stand in the middles only."""
-    return isinstance(scheme, Scheme) or (isinstance(scheme, Shooting) and scheme.control != "constant")
-
-
-def warm_start(old: Solved, transcription: Transcription, nlp: CompiledNLP) -> Start:
+def warm_start(old: Solved, transcription: Transcription, nlp: NonlinearProgram) -> Start:
     """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,)."""
     y = np.zeros(nlp.m)
     for layout, trajectory in zip(transcription.phases, old.trajectories, strict=True):
-        costate = trajectory.at(layout.mesh.fractions).costate * transcription.problem.sense
-        mu = [_defects(group, costate) for group in layout.mesh.groups]
+        sample = trajectory.at(layout.mesh.fractions)
+        assert sample.costate is not None  # multipliers with densities have costates
+        costate = sample.costate * transcription.problem.sense
+        mu = [group.scheme.defect_multipliers(costate[:, group.nodes]) for group in layout.mesh.groups]
         for family in transcription.families:
             if family.phase != layout.phase.name:
                 continue
             rows = family.rows(nlp)
-            y[rows] = _of_state(family, layout, mu) if family.kind == "defect" else _density(family, old)
+            of_defects = family.kind.multiplier is Multiplier.COSTATE
+            y[rows] = _of_state(family, layout, mu) if of_defects else _density(family, old)
     lower, upper = np.zeros((2, nlp.n))
     for new, values in ((lower, old.outcome.z_lower), (upper, old.outcome.z_upper)):
         new[transcription.parameters] = values[old.transcription.parameters]
@@ -80,31 +75,11 @@ def _density(family: Family, old: Solved) -> np.ndarray:
 
 
 def _of_state(family: Family, layout: Layout, mu: list[np.ndarray]) -> np.ndarray:
-    """The multipliers of one family of defects, from those of all, see `_defects`."""
+    """The multipliers of one family of defects, from those of all the rows of each group, (n_x, G, rows)."""
     state = [s.name for s in layout.phase.states].index(family.name)
-    scheme = layout.mesh.groups[family.group].scheme
-    if isinstance(scheme, Shooting):
-        return mu[family.group][state, :, 0]
+    rows = layout.mesh.groups[family.group].scheme.rows
     wanted = [family.row] if isinstance(family.row, int) else family.row
-    return mu[family.group][state][:, [scheme.rows.index(r) for r in wanted]].ravel()
-
-
-def _defects(group: Group, costate: np.ndarray) -> np.ndarray:
-    """mu of every state, segment and row of a group, from the costates at the points of the mesh, (n_x, K).
-
-    mu = -lambda at the end of a segment that is simulated. For collocation, in the least-squares sense,
-    mu R = -b lambda at the collocation nodes; and, where an end of the segment is none, so that its state stands in the
-    left sides only, mu L = -lambda at the end and mu L = lambda at the start.
-    """
-    scheme, lambdas = group.scheme, costate[:, group.nodes]
-    if isinstance(scheme, Shooting):
-        return -lambdas[..., -1:]
-    matrix, target = [scheme.R], [-scheme.b * lambdas[..., scheme.collocated]]
-    for node, sign in ((0, 1.0), (len(scheme.sigma) - 1, -1.0)):
-        if node not in scheme.collocated:
-            matrix.append(scheme.L[:, [node]])
-            target.append(sign * lambdas[..., [node]])
-    return np.concatenate(target, axis=-1) @ np.linalg.pinv(np.hstack(matrix)[list(scheme.rows)])
+    return mu[family.group][state][:, [rows.index(r) for r in wanted]].ravel()
 
 
 def _bounds(layout: Layout, before: Layout, new: np.ndarray, values: np.ndarray) -> None:

@@ -9,6 +9,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import typer
 
@@ -33,7 +34,7 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[str]], right: Se
     for column, *cells in zip(columns, *rows, strict=True):
         words = any(" " in cell for cell in (column, *cells))
         needed += WORDS if words else 2 + max(map(len, (column, *cells)))
-        side = "right" if column in right else "left"
+        side: Literal["left", "right"] = "right" if column in right else "left"
         table.add_column(Text.assemble((one_line(column), "bold")), justify=side, no_wrap=not words, overflow="fold")
     for row in rows:
         table.add_row(*(Text(one_line(cell)) for cell in row))

@@ -42,8 +42,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:
         yield "accuracy", summary["inaccurate"]
     yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
-    count = len(summary["meshes"])
-    yield "iterations", f"{summary['iterations']}" + (f" on {count} meshes" if count > 1 else "")
+    solves = len(summary["meshes"])
+    yield "iterations", f"{summary['iterations']}" + (f" on {solves} meshes" if solves > 1 else "")
     seconds = dict(summary["seconds"])
     total = seconds.pop("total")
     parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())

@@ -6,17 +6,17 @@ import sys
 
 from ...transcription.loading import build_checked, load_all
 from ..errors import command
-from ..options import Files, Set
+from ..options import Files, Set, overrides
 from ..output.printing import one_line, plural
 
 
 @command
-def check(files: Files, *, set_: Set = ()) -> None:
+def check(files: Files, *, set_: Set = None) -> None:
     """Name every mistake in problem files, without solving.
 
     Example: trajopt check my_problem.yaml
     """
-    specs = load_all(files, list(set_))
+    specs = load_all(files, overrides(set_))
     build_checked(specs)
     for spec in specs:
         for warning in spec.warnings:

@@ -17,7 +17,7 @@ def export(
     file: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A problem file, or a name from 'trajopt list'.")],
     output: Annotated[Path, typer.Argument(metavar="OUT", help="out.nl, out.gms or out.tex")],
     *,
-    set_: Set = (),
+    set_: Set = None,
     method: Method = None,
     segments: Segments = None,
     force: Force = False,

@@ -18,7 +18,8 @@ FPS, FRAMES = 20, (24, 240)
 POSES = 9
 
 Frames = Annotated[
-    int, typer.Option("--frames", metavar="N", min=2, max=1000, show_default=False, help="Number of pictures or poses.")
+    int | None,
+    typer.Option("--frames", metavar="N", min=2, max=1000, show_default=False, help="Number of pictures or poses."),
 ]
 FramesPerSecond = Annotated[int, typer.Option("--fps", metavar="N", min=1, max=50, help="Pictures a second.")]
 

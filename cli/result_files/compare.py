@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from typing import Any
 
 from ..errors import command
 from ..options import Json, Results
 from ..output.printing import cell, one_line, print_json, print_table
 
-COLUMNS = {
+COLUMNS: dict[str, Any] = {
     "file": str, "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "objective_error": ".1e",
     "difference": ".2e",
     "state_difference": ".2e", "max_eta": ".2e", "iterations": "d", "seconds": ".3f",
@@ -47,7 +48,7 @@ def _told(differences: Mapping[str, tuple]) -> str:
     return "; ".join(texts[:MAX_TOLD] + more)
 
 
-def _value(value) -> str:
+def _value(value: object) -> str:
     if value is None:
         return "not given"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -24,7 +24,7 @@ NAMES = "Examples: block, splines, refinement, cartpole, biped, min_work, points
 
 @command
 def reproduce(
-    examples: Annotated[list[str], typer.Argument(metavar="EXAMPLE...", help=NAMES, show_default=False)] = (),
+    examples: Annotated[list[str] | None, typer.Argument(metavar="EXAMPLE...", help=NAMES, show_default=False)] = None,
     *,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for all that is made.")] = Path(
         "reproduction"
@@ -49,7 +49,7 @@ def reproduce(
 
     with native_output(2), live_text("reproducing") as show:
         chapters = run(
-            examples, output, every=check, figures=not no_figures, progress=show or (lambda text: None),
+            examples or (), output, every=check, figures=not no_figures, progress=show or (lambda text: None),
             command=shlex.join(["trajopt", *sys.argv[1:]]),
         )  # fmt: skip
     if json_:

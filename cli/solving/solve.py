@@ -27,14 +27,24 @@ if TYPE_CHECKING:
     from ...problems.schema.spec import Spec
     from ...transcription.solution.solution import Solution
 
-Output = Annotated[str, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")]
-Tolerance = Annotated[str, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
-RefineTo = Annotated[str, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")]
-Accuracy = Annotated[str, typer.Option("--accuracy", metavar="TOL", help="Refine to this error bar of the objective.")]
-TimeLimit = Annotated[str, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")]
+Output = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="Result file, or a folder for them.")
+]
+Tolerance = Annotated[str | None, typer.Option("--tol", metavar="TOL", help="The engine's tolerance on the last mesh.")]
+RefineTo = Annotated[
+    str | None, typer.Option("--refine", metavar="TOL", help="Refine the mesh to this relative error.")
+]
+Accuracy = Annotated[
+    str | None, typer.Option("--accuracy", metavar="TOL", help="Refine to this error bar of the objective.")
+]
+TimeLimit = Annotated[
+    str | None, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
-GuessFile = Annotated[Path, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")]
+GuessFile = Annotated[
+    Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")
+]
 Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
 
 
@@ -43,7 +53,7 @@ def solve(
     files: Files,
     *,
     output: Output = None,
-    set_: Set = (),
+    set_: Set = None,
     method: Method = None,
     segments: Segments = None,
     tol: Tolerance = None,

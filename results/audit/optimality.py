@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Phase, Range
+from ...problems.problem import Function, Phase, Range
+from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ..file.reload import Reloaded
 from .check import Check, at
 
@@ -14,13 +17,13 @@ COMPLEX_STEP = 1e-30
 SECOND_STEP = 1e-5  # relative to 1 + the size of a control, of central differences of complex-step derivatives
 NEAR_BOUND = 1e-3  # of the range of a control: a barrier leaves a control that is on a bound as far from it
 ACTIVE = 1e-4  # of the largest multiplier of a constraint over time: what is smaller does not act
-KINDS = {"path": "path", "residual": "residuals", "integral": "integral"}  # of constraints -> attribute of Phase
+IN_LAGRANGIAN = (PATH, RESIDUAL, INTEGRAL)  # of constraints in H and L
 
 
 class _Hamiltonian:
     """H and L of one phase along the collocation points, sums of weight * function, for the minimised objective."""
 
-    def __init__(self, result: Reloaded, number: int):
+    def __init__(self, result: Reloaded, number: int) -> None:
         self.trajectory = result.trajectories[number]
         self.phase: Phase = self.trajectory.phase
         self.points = self.trajectory.mesh.collocated
@@ -28,14 +31,14 @@ class _Hamiltonian:
         costate = sense * self.trajectory.point_costate[:, self.points]
         self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
-        self.constraints = []
+        self.constraints: list[tuple[np.ndarray, Function]] = []
         self.equations: list[bool] = []  # whether each of the constraints is one
-        named = {(kind, c.name): c for kind in KINDS for c in getattr(phase, KINDS[kind])}
+        named = {(kind, c.name): c for kind in IN_LAGRANGIAN for c in getattr(phase, kind.functions)}
         for (kind, name), multiplier in self._multipliers(result).items():
             constraint = named[kind, name]
-            group = self.terms if kind == "integral" else self.constraints
+            group = self.terms if kind is INTEGRAL else self.constraints
             group.append((multiplier, constraint.function))
-            if kind != "integral":
+            if kind is not INTEGRAL:
                 self.equations.append(constraint.bounds.fixed)
 
     def _multipliers(self, result: Reloaded) -> dict:
@@ -43,10 +46,10 @@ class _Hamiltonian:
         mesh, duration = self.trajectory.mesh, self.trajectory.t[1] - self.trajectory.t[0]
         found: dict = {}
         for family in result.transcription.families:
-            if family.phase != self.phase.name or family.kind not in KINDS:
+            if family.phase != self.phase.name or family.kind not in IN_LAGRANGIAN:
                 continue
             y, key = result.outcome.y[family.rows(result.nlp)], (family.kind, family.name)
-            if family.kind == "integral":
+            if family.kind is INTEGRAL:
                 found[key] = float(y[0])
                 continue
             row = found.setdefault(key, np.zeros(len(mesh.fractions)))
@@ -72,11 +75,11 @@ class _Hamiltonian:
         for i, (multiplier, function) in enumerate(self.constraints):
             acts = self.equations[i] | (np.abs(multiplier) > ACTIVE * np.abs(multiplier).max(initial=0.0))
             for j, variable in enumerate(inputs):
-                slope = self.derivative(lambda v, f=function: f(v, np), values, variable.name)
+                slope = self.derivative(partial(_of_arrays, function), values, variable.name)
                 found[:, i, j] = np.where(acts, slope, 0.0)
         return found
 
-    def derivative(self, function, values: dict, name: str) -> np.ndarray:
+    def derivative(self, function: Callable[[dict], Any], values: dict, name: str) -> np.ndarray:
         """Of a function of the values by one of them, by the complex step."""
         shifted = {**values, name: values[name] + COMPLEX_STEP * 1j}
         return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
@@ -160,7 +163,11 @@ def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.
 def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
     """The largest term of dL/du along the trajectory: what its zero is the balance of."""
     sizes = [
-        np.abs(weight * hamiltonian.derivative(lambda v, f=function: f(v, np), values, name)).max()
+        np.abs(weight * hamiltonian.derivative(partial(_of_arrays, function), values, name)).max()
         for weight, function in hamiltonian.terms + hamiltonian.constraints
     ]
     return float(max(sizes)) or 1.0
+
+
+def _of_arrays(function: Function, values: dict) -> np.ndarray:
+    return function(values, np)

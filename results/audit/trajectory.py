@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -39,9 +40,11 @@ def simulation(trajectory: Trajectory, error: ErrorProfile, tolerance: float) ->
     apart = np.abs(_segments(trajectory) - knots[:, 1:])
     claimed = (error.eta / size).max(axis=0)  # of any state: an error of one becomes one of the others
     over_claim = apart / size / (CLAIMED * claimed + ROUNDING)
-    for segment in np.flatnonzero((over_claim > 1).any(axis=0)):  # perhaps the dynamics amplify the error within it
+    for segment in np.flatnonzero(
+        (over_claim > 1).any(axis=0)
+    ).tolist():  # perhaps the dynamics amplify the error within it
         over_claim[:, segment] /= _amplification(trajectory, segment, size[:, 0])
-    i, k = np.unravel_index(np.argmax(np.nan_to_num(over_claim, nan=np.inf)), apart.shape)
+    i, k = map(int, np.unravel_index(np.argmax(np.nan_to_num(over_claim, nan=np.inf)), apart.shape))
     name = trajectory.phase.states[i].name
     kept = Check(
         "each segment simulated, over its claimed error", float(over_claim[i, k]), 1.0,
@@ -87,7 +90,7 @@ def _held(trajectory: Trajectory, hold: float) -> np.ndarray:
     times = np.union1d(samples, trajectory.knots)
     for start, end in pairwise(times):
         own = u[:, np.searchsorted(samples, start, side="right") - 1]
-        after = _step(trajectory, (start, end), state, lambda t, own=own: own)
+        after = _step(trajectory, (start, end), state, partial(_constant, own))
         if after is None:
             break
         state = after
@@ -186,3 +189,7 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
         if peak[worst] > tolerance >= counted[k]:
             where += f"; {peak[worst]:.1e} in a jump, {at(t[worst])}"
         yield Check(f"{excess.name} between the points", float(counted[k]), tolerance, where)
+
+
+def _constant(value: np.ndarray, t: float) -> np.ndarray:
+    return value

@@ -36,3 +36,7 @@ def array_of(
     for axis, scale in enumerate(scales):
         dataset.dims[axis].attach_scale(scale)
     return dataset
+
+
+def unit_of(dataset: h5py.Dataset) -> str:
+    return str(dataset.attrs.get("units", ""))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import h5py
@@ -12,7 +12,7 @@ from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Guess, Phase, Problem
 from .write import open_result
 
-KINDS = ("state", "control", "algebraic")
+GUESSED_KINDS = ("state", "control", "algebraic")
 
 
 def guess_from(source: Path | bytes, problem: Problem) -> list[Guess]:
@@ -46,7 +46,7 @@ def lacking(path: Path, problem: Problem) -> list[Mistake]:
 
 def _names(group: Mapping) -> set[str]:
     """Everything that a phase of a result file can give to a guess."""
-    places = (*(f"dense/{kind}" for kind in KINDS), "parameter")
+    places = (*(f"dense/{kind}" for kind in GUESSED_KINDS), "parameter")
     return {name for place in places for name in group.get(place, {})}
 
 
@@ -64,7 +64,7 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
     dense, own = group["dense"], phase.guess
     time = dense["time"][:]
     s = (time - time[0]) / (time[-1] - time[0])
-    known = {name: values for kind in KINDS for name, values in _curves(dense[kind])}
+    known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense[kind].items()}
     return Guess(
         initial_time=phase.initial_time.clip(float(time[0])),
         final_time=phase.final_time.clip(float(time[-1])),
@@ -72,7 +72,3 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
         values={**own.samples(s), **{name: values for name, values in known.items() if name in own.values}},
         parameters={**own.parameters, **{name: float(value[()]) for name, value in group["parameter"].items()}},
     )
-
-
-def _curves(group: h5py.Group) -> Iterator[tuple[str, np.ndarray]]:
-    return ((name, np.nan_to_num(values[:])) for name, values in group.items())

@@ -12,11 +12,12 @@ import h5py
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.problem import Problem, Range
+from ...problems.problem import Phase, Problem, Range
 from ...problems.text import short_repr
+from .arrays import unit_of
 from .write import open_result
 
-KINDS = ("state", "control", "algebraic", "costate")
+CURVE_KINDS = ("state", "control", "algebraic", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
 
 
@@ -68,7 +69,7 @@ class PhaseCurves:
 
 @short_repr
 @dataclass(frozen=True)
-class MeshEntry:
+class StoredMesh:
     """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave."""
 
     method: str
@@ -89,7 +90,7 @@ class Result:
     message: str
     objective: float
     phases: tuple[PhaseCurves, ...]
-    meshes: tuple[MeshEntry, ...]
+    meshes: tuple[StoredMesh, ...]
     spec: Mapping[str, Any] = field(repr=False)
 
     def names(self, kind: str) -> list[str]:
@@ -131,7 +132,7 @@ def read(path: Path) -> Result:
             message=str(file.attrs["message"]),
             objective=float(file.attrs["objective"]),
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
-            meshes=tuple(_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
+            meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=json.loads(file["spec/full"].asstr()[()]),
         )
 
@@ -144,7 +145,7 @@ def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
     return {phase.name: _ranges(phase) for phase in problem.phases}
 
 
-def _ranges(phase) -> dict[str, Range]:
+def _ranges(phase: Phase) -> dict[str, Range]:
     ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
     for constraint in phase.path:
         name = getattr(constraint.function, "text", None)
@@ -158,27 +159,23 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
     eta = group["error/eta"][:]
     return PhaseCurves(
         name=name,
-        time_unit=_unit(time),
+        time_unit=unit_of(time),
         time=time[:],
         dense_time=dense["time"][:],
         knots=group["knots"][:],
-        curves={kind: _curves(points.get(kind, {}), dense.get(kind, {})) for kind in KINDS},
-        epsilon={state: Curve(_unit(d), np.empty(0), d[:]) for state, d in dense.get("epsilon", {}).items()},
+        curves={kind: _curves(points.get(kind, {}), dense.get(kind, {})) for kind in CURVE_KINDS},
+        epsilon={state: Curve(unit_of(d), np.empty(0), d[:]) for state, d in dense.get("epsilon", {}).items()},
         eta={state: eta[:, i] for i, state in enumerate(group["error/state"].asstr()[:])},
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
     )
 
 
 def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:
-    return {name: Curve(_unit(dense[name]), points[name][:], dense[name][:]) for name in points if name in dense}
+    return {name: Curve(unit_of(dense[name]), points[name][:], dense[name][:]) for name in points if name in dense}
 
 
-def _unit(dataset: h5py.Dataset) -> str:
-    return str(dataset.attrs.get("units", ""))
-
-
-def _mesh(group: h5py.Group) -> MeshEntry:
+def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
-    return MeshEntry(
+    return StoredMesh(
         str(a["method"]), group["edges"][:], int(a["unknowns"]), float(a["objective"]), float(a["max_eta"])
     )

@@ -15,13 +15,12 @@ from ...problems.schema.spec import Spec
 from ...problems.text import short_repr
 from ...transcription.engines.outcome import Outcome, Status
 from ...transcription.layout import Transcription
-from ...transcription.program.compiler import CompiledNLP
+from ...transcription.program.contract import NonlinearProgram
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.schemes.table import find
-from ...transcription.solution.costate import with_costates
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
-from ...transcription.transcribe import compiled, transcribe
+from ...transcription.transcribe import compiled, transcribe, with_costates
 from .write import open_result
 
 
@@ -36,7 +35,7 @@ class Reloaded:
     spec: Spec
     problem: Problem
     transcription: Transcription
-    nlp: CompiledNLP
+    nlp: NonlinearProgram
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
     objective: float
@@ -65,8 +64,13 @@ def _record(group: h5py.Group) -> MeshRecord:
     return MeshRecord(
         mesh=_mesh(group),
         status=Status[told["status"].upper()],
-        **{key: float(told[key]) for key in ("tolerance", "objective", "max_eta", "relative_error")},
-        **{key: int(told[key]) for key in ("iterations", "unknowns", "constraints")},
+        tolerance=float(told["tolerance"]),
+        objective=float(told["objective"]),
+        max_eta=float(told["max_eta"]),
+        relative_error=float(told["relative_error"]),
+        iterations=int(told["iterations"]),
+        unknowns=int(told["unknowns"]),
+        constraints=int(told["constraints"]),
         seconds={part.replace("_", " "): value for part, value in parts.items()},
     )
 

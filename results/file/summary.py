@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from ...transcription.solution.solution import inaccurate
+from .arrays import unit_of
 from .write import open_result
 
 
@@ -82,7 +83,7 @@ def _reference(file: h5py.File) -> dict[str, Any] | None:
 
 def _error(file: h5py.File) -> dict[str, Any]:
     """The largest eta and where it is: phase, state, segment (the first is 1) and the segment's times."""
-    worst = {"max_eta": -np.inf}
+    worst: dict[str, Any] = {"max_eta": -np.inf}
     for name, phase in file["phase"].items():
         eta = phase["error/eta"][:]
         segment, state = np.unravel_index(np.nanargmax(np.nan_to_num(eta, nan=np.inf)), eta.shape)
@@ -112,11 +113,13 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
     points, time = group["points"], group["points/time"]
     eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
     return {
-        "time": {"initial": time[0], "final": time[-1], "unit": _unit(time)},
+        "time": {"initial": time[0], "final": time[-1], "unit": unit_of(time)},
         "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
         "controls": {name: _curve(values) for name, values in points["control"].items()},
         "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
-        "parameters": {name: {"value": value[()], "unit": _unit(value)} for name, value in group["parameter"].items()},
+        "parameters": {
+            name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
+        },
     }
 
 
@@ -127,12 +130,8 @@ def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
         "final": values[-1],
         "min": np.fmin.reduce(values),
         "max": np.fmax.reduce(values),
-        "unit": _unit(dataset),
+        "unit": unit_of(dataset),
     }
-
-
-def _unit(dataset: h5py.Dataset) -> str:
-    return dataset.attrs.get("units", "")
 
 
 def plain(value: Any) -> Any:

@@ -49,7 +49,6 @@ import numpy as np
 
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
-from ...transcription.schemes.runge_kutta import Shooting
 from .arrays import array_of, group_of, scale_of, texts
 from .write_phase import write_parameters, write_phase
 
@@ -220,11 +219,10 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
             **_seconds(record.seconds),
         }
     )
-    if isinstance(scheme := record.mesh.schemes[0], Shooting):
-        group.attrs.update({"substeps": scheme.substeps, "control": scheme.control})
+    group.attrs.update(record.mesh.schemes[0].options)
     if any(scheme.degree is not None for scheme in record.mesh.schemes):
         segment = scale_of(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
-        degrees = [scheme.degree for scheme in record.mesh.schemes]
+        degrees = [scheme.degree or 0 for scheme in record.mesh.schemes]
         forms = [int(scheme.differential) for scheme in record.mesh.schemes]
         array_of(group, "degree", degrees, [segment], "degree of the method")
         array_of(group, "differential", forms, [segment], "whether the defects are in differential form")

@@ -20,9 +20,9 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
     phase, sample = trajectory.phase, trajectory.dense
     scale_of(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (group_of(group, name) for name in ("points", "dense", "error"))
-    costates = ([], []) if trajectory.costate is None else (trajectory.point_costate, sample.costate)
-    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costates[0])
-    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=costates[1])
+    costate = None if trajectory.costate is None else trajectory.point_costate
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate)
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=sample.costate)
     profiles = group_of(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"
@@ -56,7 +56,9 @@ def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, f
         array_of(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
 
 
-def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.Dataset:
+def _write_curves(
+    group: h5py.Group, phase: Phase, *, t: np.ndarray, x: np.ndarray, u: np.ndarray, costate: np.ndarray | None
+) -> h5py.Dataset:
     """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
     time = scale_of(group, "time", t, "time", phase.time_unit)
     n = len(phase.controls)
@@ -64,12 +66,14 @@ def _write_curves(group: h5py.Group, phase: Phase, *, t, x, u, costate) -> h5py.
     _write_kind(group, "control", phase.controls, u[:n], time)
     _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
     duals = group_of(group, "costate")  # no unit: the objective has none to begin with
-    for state, values in zip(phase.states, costate, strict=False):  # some methods have no costates
+    for state, values in zip(phase.states, () if costate is None else costate, strict=costate is not None):
         array_of(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
     return time
 
 
-def _write_kind(group: h5py.Group, kind: str, variables: Sequence[Variable], rows, time: h5py.Dataset) -> None:
+def _write_kind(
+    group: h5py.Group, kind: str, variables: Sequence[Variable], rows: np.ndarray, time: h5py.Dataset
+) -> None:
     curves = group_of(group, kind)
     for variable, values in zip(variables, rows, strict=True):
         array_of(curves, variable.name, values, [time], f"{kind} {variable.name}", unit=variable.unit)

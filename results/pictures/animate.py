@@ -7,6 +7,7 @@ import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from matplotlib import colormaps, patches
@@ -77,8 +78,13 @@ def scene(result: Result) -> Scene:
     poses = at(times)
     corners = np.concatenate([_corners(shape) for pose in poses for shape in pose.shapes])
     traced = [i for i, shape in enumerate(poses[0].shapes) if isinstance(shape, Circle) and shape.trace]
-    traces = {i: np.array([pose.shapes[i].centre for pose in poses]) for i in traced}
+    traces = {i: np.array([_circle(pose, i).centre for pose in poses]) for i in traced}
     return Scene(result, at, times, np.array([np.nanmin(corners, axis=0), np.nanmax(corners, axis=0)]), traces)
+
+
+def _circle(pose: Pose, i: int) -> Circle:
+    """Shape i, which is a circle in every pose."""
+    return cast(Circle, pose.shapes[i])
 
 
 def _values(result: Result, times: np.ndarray) -> dict[str, np.ndarray]:
@@ -124,15 +130,23 @@ def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 
     _set_view(ax, stage.box + np.array([[0.0, 0.0], [(n_frames - 1) * spread, 0.0]]))
 
 
-def paint(ax: Axes, shape: Shape, colour=None, *, fade: float = 0.0, shift: float = 0.0, layer: float = 2) -> Artist:
+def paint(
+    ax: Axes, shape: Shape, colour: Any = None, *, fade: float = 0.0, shift: float = 0.0, layer: float = 2
+) -> Artist:
     """One shape, `shift` metres to the right, in its role's colour if none is given, `fade` (0 to 1) nearer white."""
     own, dashes = PARTS.get(shape.role, (BLACK, "-"))
     colour = own if colour is None else colour
-    style = {"alpha": 1 - fade, "zorder": layer}
+    style: dict[str, Any] = {"alpha": 1 - fade, "zorder": layer}
     match shape:
         case Polyline(points=points):
             x, y = np.array(points).T
-            line = {"linewidth": 2.4, "marker": "o", "markersize": 3.5, "solid_capstyle": "round", "linestyle": dashes}
+            line: dict[str, Any] = {
+                "linewidth": 2.4,
+                "marker": "o",
+                "markersize": 3.5,
+                "solid_capstyle": "round",
+                "linestyle": dashes,
+            }
             return ax.plot(x + shift, y, color=colour, **line, **style)[0]
         case Rectangle(centre=(x, y), width=w, height=h):
             corner = (x + shift - w / 2, y - h / 2)
@@ -198,7 +212,7 @@ def animate(result: Result, path: Path, frames: int, fps: int) -> None:
 
 def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image.Image]:
     """The pictures one after the other; the axes are drawn once, and over them what moves."""
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     unit = plain(stage.result.phases[0].time_unit, 20)
     _set_view(ax, stage.box)
     canvas.draw()
@@ -208,7 +222,7 @@ def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image
     for pose in stage.at(np.linspace(stage.start, stage.end, frames)):
         past = stage.times <= pose.t
         for i, line in lines.items():
-            whole = pose.shapes[i].trace == "wire"
+            whole = _circle(pose, i).trace == "wire"
             line.set_data(*stage.traces[i][slice(None) if whole else past].T)
         clock.set_text(f"t = {pose.t:.2f} {unit}")
         shapes = [paint(ax, shape) for shape in pose.shapes]
@@ -222,7 +236,7 @@ def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image
 
 def _write_gif(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
     *rest, last = pictures
-    counted = sorted(last.getcolors(last.width * last.height), reverse=True)
+    counted: list[tuple[int, Any]] = sorted(last.getcolors(last.width * last.height) or [], reverse=True)
     palette = np.array([colour for _, colour in counted[:256]], int)  # the last picture has all the colours that matter
     first, *others = map(_indexer(palette), (*rest, last))
     delays = [round(1000 / fps)] * len(rest) + [round(1000 * LAST_FRAME)]
@@ -259,10 +273,10 @@ def check_film(path: Path) -> None:
 
 def _write_mp4(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
     check_film(path)
-    pictures = list(pictures)
-    pictures += pictures[-1:] * round(LAST_FRAME * fps)
-    width, height = (2 * (side // 2) for side in pictures[0].size)  # the codec wants even numbers
-    raw = b"".join(picture.crop((0, 0, width, height)).tobytes() for picture in pictures)
+    shown = list(pictures)
+    shown += shown[-1:] * round(LAST_FRAME * fps)
+    width, height = (2 * (side // 2) for side in shown[0].size)  # the codec wants even numbers
+    raw = b"".join(picture.crop((0, 0, width, height)).tobytes() for picture in shown)
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
     command += ["-r", str(fps), "-i", "-", "-pix_fmt", "yuv420p", "-metadata", f"comment=Software: {about['Software']}"]
     command += ["-metadata", f"title={about['Title']}", str(path)]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import ceil, inf, log
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import TOLERATED_EXCESS, Range
-from ..file.read import KINDS, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
 from .style import (
     BLACK,
     BLUE,
@@ -34,6 +35,7 @@ from .style import (
     look,
     plain,
     set_title,
+    width_of,
 )
 
 Bounds = Mapping[str, Mapping[str, Range]]  # phase -> name -> range, as `curves.bounds_of` gives them
@@ -43,7 +45,7 @@ MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
 FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
-LEGEND = (*KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
+LEGEND = (*CURVE_KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
 
@@ -65,7 +67,7 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
         middle, half = (low + high) / 2, max(abs(low + high) / 20, NOISE) if low or high else 1.0
         ax.set_ylim(middle - half, middle + half)
-    width = ax.get_position().width * ax.figure.get_figwidth()
+    width = width_of(ax)
     set_title(ax, labelled(*_label(kind, name, phases[0]), width), far)
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, phases)
@@ -81,21 +83,21 @@ def _label(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
 
 
 def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> None:
-    points = 72 * ax.get_position().width * ax.figure.get_figwidth() / len(phase.time)  # between markers; 72 to an inch
+    points = 72 * width_of(ax) / len(phase.time)  # between markers; 72 to an inch
     if points < TOO_NEAR:
         return
     size = float(np.clip(0.6 * points, 1.2, 3.5))
     knot = phase.at_knot
-    style = {"linestyle": "", "markeredgewidth": 0.8, "zorder": 3}
+    style: dict[str, Any] = {"linestyle": "", "markeredgewidth": 0.8, "zorder": 3}
     ax.plot(phase.time[knot], curve.points[knot], "o", color=BLACK, markersize=size, label="knot", **style)
     if not knot.all():
-        inner = {"markerfacecolor": "white", "markeredgecolor": colour, "markersize": 0.9 * size}
+        inner: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": colour, "markersize": 0.9 * size}
         ax.plot(phase.time[~knot], curve.points[~knot], "D", label="point inside a segment", **inner, **style)
 
 
 def _draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
     """Short strokes on the time axis, at the segments' edges."""
-    style = {"color": GREY, "linewidth": float(np.clip(50 / len(knots), 0.25, 0.6)), "zorder": 1}
+    style: dict[str, Any] = {"color": GREY, "linewidth": float(np.clip(50 / len(knots), 0.25, 0.6)), "zorder": 1}
     ax.vlines(knots, 0, 0.035, transform=ax.get_xaxis_transform(), label="segment edge", **style)
 
 
@@ -106,7 +108,9 @@ def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
-def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[float, float]) -> str:
+def _draw_bounds(
+    ax: Axes, phases: Sequence[PhaseCurves], name: str, bounds: Bounds, extent: tuple[float, float]
+) -> str:
     """Dashed lines at the bounds near the curve; one so far off that it would flatten the curve is told in words."""
     (low, high), far = extent, []
     near = high - low or max(abs(low), 1.0) / 10
@@ -115,7 +119,9 @@ def _draw_bounds(ax: Axes, phases, name: str, bounds: Bounds, extent: tuple[floa
         for value, gap, arrow in ((bound.lower, low - bound.lower, "↓"), (bound.upper, bound.upper - high, "↑")):
             if gap <= near:
                 broken = gap < -TOLERATED_EXCESS * (1 + abs(value))
-                style = {"color": VERMILION if broken else GREY, "label": "violated bound" if broken else "bound"}
+                style: dict[str, Any] = {"color": GREY, "label": "bound"}
+                if broken:
+                    style = {"color": VERMILION, "label": "violated bound"}
                 ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
             elif gap < inf:
                 far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
@@ -140,7 +146,8 @@ def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence
     with look():
         frame = Frame(down=0.66, top=1.0) if two_lines else Frame()
         figure, grid = frame.figure([PANEL_HEIGHT] * rows, columns, PANEL_WIDTH[columns])
-        row, lowest = 0, {}
+        row = 0
+        lowest: dict[int, Axes] = {}
         for kind, names in sections.items():
             for i, name in enumerate(names):
                 ax = figure.add_subplot(grid[row + i // columns, i % columns])
@@ -162,11 +169,11 @@ def _unlabel(ax: Axes | None) -> None:
 
 def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     """kind -> the names to draw; kinds without any are left out."""
-    known = {name for kind in KINDS for name in result.names(kind)}
+    known = {name for kind in CURVE_KINDS for name in result.names(kind)}
     if unknown := [name for name in only if name not in known]:
         what = f'there is no "{unknown[0]}" in {result.path}'
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
-    chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in KINDS}
+    chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
 

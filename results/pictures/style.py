@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -46,7 +47,7 @@ PARTS = {  # role of a shape -> colour and line style; those of the walker are t
 
 DPI = 150
 LETTER = 0.074  # inches, the mean width of a letter of a title
-LOOK = {
+LOOK: Any = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.labelsize": 9.0,
@@ -91,7 +92,7 @@ class Numbers(Formatter):
         return [text.replace("-", "\N{MINUS SIGN}") for text in texts]
 
 
-def look():
+def look() -> Any:
     """A context in which figures are made and saved in this style; Matplotlib's own settings come back after it."""
     return matplotlib.rc_context(LOOK)
 
@@ -110,9 +111,16 @@ def labelled(name: str, unit: str, width: float = 100.0) -> str:
     return label if len(label) * LETTER <= width else f"{plain(name, 50)}\n[{unit}]"
 
 
+def width_of(ax: Axes) -> float:
+    """The width of axes in inches."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return float(ax.get_position().width * figure.get_figwidth())
+
+
 def set_title(ax: Axes, label: str, note: str = "") -> None:
     """A title at the left of the axes; a small note at the right if there is room, else at the end of the title."""
-    width = ax.get_position().width * ax.figure.get_figwidth()
+    width = width_of(ax)
     room = width - LETTER * max(map(len, label.split("\n")))
     if note and len(note) * 0.83 * LETTER > room:
         label, note = f"{label}\n{note}", ""
@@ -155,14 +163,14 @@ def head(figure: Figure, lines: Sequence[str], colour: str) -> None:
 
 def legend(figure: Figure, order: Sequence[str]) -> None:
     """One legend for all panels, at the foot of the figure; entries stand in the given order."""
-    entries = {}
+    entries: dict[str, Any] = {}
     for ax in figure.axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     labels = sorted(entries, key=order.index)
     wide = sum(len(label) * LETTER * 0.9 + 0.55 for label in labels)
     rows = ceil(wide / figure.get_figwidth())
-    style = {"ncols": ceil(len(labels) / rows), "borderaxespad": 0.3}
+    style: dict[str, Any] = {"ncols": ceil(len(labels) / rows), "borderaxespad": 0.3}
     figure.legend([entries[label] for label in labels], labels, loc="lower center", **style)
 
 
@@ -207,7 +215,7 @@ def save(figures: Sequence[Figure], path: Path, title: str) -> None:
             return
         from matplotlib.backends.backend_pdf import PdfPages
 
-        about = {"Creator": about["Software"], "Title": title, "CreationDate": None}
-        with PdfPages(temporary, metadata=about) as pages:
+        told: dict[str, Any] = {"Creator": about["Software"], "Title": title, "CreationDate": None}
+        with PdfPages(temporary, metadata=told) as pages:
             for figure in figures:
                 pages.savefig(figure)

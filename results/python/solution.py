@@ -66,7 +66,7 @@ class _Named(Mapping[str, Any]):
 class Costates(_Named):
     """State -> its costate, a `TimeFunction`; empty for a method without costates."""
 
-    def __init__(self, functions: Mapping[str, TimeFunction]):
+    def __init__(self, functions: Mapping[str, TimeFunction]) -> None:
         self._functions = functions
 
     def _members(self) -> Mapping[str, TimeFunction]:

@@ -10,7 +10,7 @@ from .paper_values import Effort, Value
 
 
 @dataclass(frozen=True)
-class Check:
+class PaperCheck:
     """A number against what it should be."""
 
     example: str
@@ -43,7 +43,7 @@ class Chapter:
 
     example: Example
     captions: Mapping[str, str]
-    checks: tuple[Check, ...]
+    checks: tuple[PaperCheck, ...]
     efforts: tuple[Measured, ...]
     table: Sequence[Sequence[str]]
     unsolved: Mapping[str, str]

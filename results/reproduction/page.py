@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import os
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from html import escape
 from importlib.metadata import version
 
-from .chapter import Chapter, Check
+from .chapter import Chapter, PaperCheck
 
 MARK = '<meta name="generator" content="trajopt reproduce">'
 
@@ -96,13 +96,13 @@ def _chapter(chapter: Chapter, figures: bool) -> Iterator[str]:
         yield _table(list(map(escape, head)), (map(escape, row) for row in rows), numbers=range(1, len(head)))
 
 
-def _check(check: Check) -> list[str]:
+def _check(check: PaperCheck) -> list[str]:
     verdict = "pass" if check.passed else '<span class="fail">FAIL</span>'
     texts = check.example, check.value.name, check.value.expected, shown(check.number), check.value.source
     return [verdict, *map(escape, texts)]
 
 
-def _table(head: Sequence[str], rows, numbers: Sequence[int]) -> str:
+def _table(head: Sequence[str], rows: Iterable[Iterable[str]], numbers: Sequence[int]) -> str:
     """Cells are HTML; those of the columns in `numbers` stand at the right."""
 
     def cell(column: int, text: str) -> str:

@@ -31,7 +31,7 @@ class Value:
 
 def printed(name: str, digits: str, source: str = INDEPENDENT) -> Value:
     """A number that agrees in every digit given: within half a unit of the last one."""
-    half = 0.5001 * 10.0 ** Decimal(digits).as_tuple().exponent  # 0.0001 for the rounding of binary numbers
+    half = 0.5001 * 10.0 ** int(Decimal(digits).as_tuple().exponent)  # 0.0001 for the rounding of binary numbers
     return Value(name, digits, float(digits) - half, float(digits) + half, source)
 
 

@@ -23,9 +23,9 @@ from ..file.summary import summarize
 from ..file.write import check_target, write
 from ..pictures.style import check_picture, look, save
 from . import page
-from .chapter import Chapter, Check, Measured
+from .chapter import Chapter, Measured, PaperCheck
 from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines
-from .figures.example import Example, Picture, Run, Solutions, Solved
+from .figures.example import Example, Picture, Run, Solutions, SolvedRun
 from .paper_values import EFFORTS, VALUES
 
 EXAMPLES: dict[str, Example] = {
@@ -124,14 +124,14 @@ def _solve(
     return solved, unsolved
 
 
-def _run(run: Run, path: Path, command: str) -> Solved:
+def _run(run: Run, path: Path, command: str) -> SolvedRun:
     spec = load(find_problem(run.problem), run.overrides)
     check_target(path, spec.name)
     solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
     write(path, solution, spec.text, spec.model_dump_json(), command)
     meshes = summarize(path)["meshes"]
     seconds = tuple(sum(mesh["seconds"].values()) for mesh in meshes)
-    return Solved(read(path), tuple(mesh["iterations"] for mesh in meshes), seconds)
+    return SolvedRun(read(path), tuple(mesh["iterations"] for mesh in meshes), seconds)
 
 
 # -- checking -------------------------------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ def _chapter(example: Example, solved: Solutions, unsolved: Mapping[str, str], e
     """The numbers of an example; without `every` only those of the runs that there are."""
     numbers = {name: float(number) for name, number in example.measure(solved).items()}
     checks = tuple(
-        Check(example.name, value, numbers[value.name])
+        PaperCheck(example.name, value, numbers[value.name])
         for value in VALUES[example.name]
         if every or value.name in numbers
     )

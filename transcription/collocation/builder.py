@@ -6,6 +6,7 @@ residuals, bounds of states that are no variables, and integrals follow from the
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -18,7 +19,8 @@ from pyomo.core import Constraint, Param, RangeSet, Set, Var
 
 from ...problems.probe import depends_on, names_asked
 from ...problems.problem import Constraint as PathConstraint
-from ...problems.problem import Phase, Range
+from ...problems.problem import Curves, Function, Phase, Range
+from ..constraint_kinds import BOUND, BOUNDARY, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
 from ..program.templates import item
 from ..schemes.mesh import Mesh
@@ -42,14 +44,14 @@ class Place:
     computed: Mapping[str, Range]
 
 
-class _Values(dict):
+class Values(dict):
     """Names -> Pyomo items, made when they are asked for: a defect asks for few of them, at several points."""
 
-    def __init__(self, makers: Mapping[str, tuple[Any, str]], k, time: Callable[[Any], Any]):
+    def __init__(self, makers: Mapping[str, tuple[Any, str]], k: Any, time: Callable[[Any], Any]) -> None:
         super().__init__()
         self.makers, self.k, self.time = makers, k, time
 
-    def __missing__(self, name: str):
+    def __missing__(self, name: str) -> Any:
         if name == "t":
             self[name] = self.time(self.k)
         else:
@@ -62,35 +64,35 @@ class _Values(dict):
         return [*self.makers, *(name for name in self if name != "t" and name not in self.makers)]
 
 
-class PhaseBuilder:
-    """Fills the block of one phase; the methods of a subclass are `stored`, `places`, `dynamics` and `end_values`."""
+class PhaseBuilder(ABC):
+    """Fills the block of one phase; a method is a subclass with `stored`, `places`, `dynamics` and `end_values`."""
 
-    def __init__(self, block, p: Mapping[str, Any], phase: Phase, mesh: Mesh):
+    def __init__(self, block: Any, p: Mapping[str, Any], phase: Phase, mesh: Mesh) -> None:
         self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
-        self.owners: dict[int, np.ndarray] = {}
+        self.owners: dict[str, np.ndarray] = {}
         self.explicit_set: Any = None
 
+    @abstractmethod
     def stored(self) -> tuple[list[str], np.ndarray]:
         """The states that are variables, and the points at which they are."""
-        raise NotImplementedError
 
+    @abstractmethod
     def places(self) -> list[Place]:
         """Every collocation point, once."""
-        raise NotImplementedError
 
+    @abstractmethod
     def dynamics(self) -> None:
         """Add the defects."""
-        raise NotImplementedError
 
-    def end_values(self, last: bool) -> dict:
+    @abstractmethod
+    def end_values(self, last: bool) -> Values:
         """The values at the first or at the last point."""
-        raise NotImplementedError
 
     # -- variables and data ------------------------------------------------------------------------------------
 
-    def variables(self, guess) -> None:
+    def variables(self, guess: Curves) -> None:
         block, phase, mesh = self.block, self.phase, self.mesh
         for name, bounds, value in (
             ("t0", phase.initial_time, guess.initial_time),
@@ -136,7 +138,7 @@ class PhaseBuilder:
         self.block.add_component(name, Set(initialize=points.tolist()))
         return self.block.component(name)
 
-    def data(self, name: str, index, values: np.ndarray) -> Param:
+    def data(self, name: str, index: Any, values: np.ndarray) -> Param:
         """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
         index = RangeSet(0, len(values) - 1) if index is None else index
         table = dict(zip(index, values.tolist(), strict=True))
@@ -154,19 +156,19 @@ class PhaseBuilder:
     # -- the values at one point, by the names that the problem's functions use -----------------------------------
 
     @property
-    def duration(self):
+    def duration(self) -> Any:
         return self.block.tF - self.block.t0
 
-    def at(self, k, states: Iterable[str], inputs: bool = True) -> dict:
+    def at(self, k: Any, states: Iterable[str], inputs: bool = True) -> Values:
         """p, t, the inputs if there are any, and the named states at point k."""
         block = self.block
         makers = {name: (block.x, name) for name in states}
         makers |= {name: (component, name) for component, name in self.inputs if inputs}
-        values = _Values(makers, k, self._time)
+        values = Values(makers, k, self._time)
         values.update(self.p)
         return values
 
-    def _time(self, k) -> Any:
+    def _time(self, k: Any) -> Any:
         return self.block.t0 + self.duration * item(self.block.fraction, k)
 
     def _ends(self) -> dict:
@@ -183,41 +185,51 @@ class PhaseBuilder:
     def constraints(self) -> None:
         self.dynamics()
         for i, residual in enumerate(self.phase.residuals):
-            self._everywhere(f"residual{i}", residual, "residual")
+            self._everywhere(f"residual{i}", residual, RESIDUAL)
         for i, constraint in enumerate(self.phase.path):
-            self._everywhere(f"path{i}", constraint, "path")
+            self._everywhere(f"path{i}", constraint, PATH)
         self._path_at_ends()
         self._bounds_of_computed_states()
         for i, constraint in enumerate(self.phase.boundary):
 
-            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
+            def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index
                 return _between(c.bounds, c.function(self._ends(), pyomo))
 
-            self.add(f"boundary{i}", None, rule, "boundary", constraint.name, (0.0, 1.0))
+            self.add(f"boundary{i}", None, rule, BOUNDARY, constraint.name, (0.0, 1.0))
         for i, constraint in enumerate(self.phase.integral):
 
-            def rule(block, *, c=constraint):  # Pyomo takes a positional one for an index
+            def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index
                 return _between(c.bounds, self.integral(c.function))
 
-            self.add(f"integral{i}", None, rule, "integral", constraint.name, (0.0, 1.0))
+            self.add(f"integral{i}", None, rule, INTEGRAL, constraint.name, (0.0, 1.0))
 
-    def add(self, component: str, over, rule, kind: str, name: str, span, **told) -> None:
+    def add(
+        self, component: str, over: Any, rule: Any, kind: ConstraintKind, name: str, span: Any, **told: Any
+    ) -> None:
         """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
         self.tell(constraint, kind, name, span, **told)
 
-    def tell(self, constraint: Constraint, kind: str, name: str, span, weights=1.0, **told) -> None:
+    def tell(
+        self,
+        constraint: Constraint,
+        kind: ConstraintKind,
+        name: str,
+        span: Any,
+        weights: np.ndarray | float = 1.0,
+        **told: Any,
+    ) -> None:
         """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
         self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
 
-    def _everywhere(self, component: str, constraint, kind: str) -> None:
+    def _everywhere(self, component: str, constraint: PathConstraint, kind: ConstraintKind) -> None:
         """A constraint at every collocation point (paper, 3.3 and 4.3)."""
         for place in self.places():
 
-            def relation(k, place=place):
+            def relation(k: Any, place: Place = place) -> Any:
                 return _between(constraint.bounds, constraint.function(place.values(k), pyomo))
 
             self._at_place(component, place, relation, kind, constraint.name)
@@ -232,13 +244,15 @@ class PhaseBuilder:
                 if not self._open_at(end, constraint):
                     continue
 
-                def rule(block, *, c=constraint, last=last):  # Pyomo takes a positional one for an index
+                def rule(
+                    block: Any, *, c: PathConstraint = constraint, last: bool = last
+                ) -> Any:  # Pyomo takes a positional one for an index
                     values = self.end_values(last)
                     values["t"] = block.tF if last else block.t0
                     values.update({variable.name: 0.0 for variable in self.phase.inputs})  # g does not depend on them
                     return _between(c.bounds, c.function(values, pyomo))
 
-                self.add(f"path{i}_{end}", None, rule, "path end", constraint.name, (s, s))
+                self.add(f"path{i}_{end}", None, rule, PATH_END, constraint.name, (s, s))
 
     def _open_at(self, end: str, constraint: PathConstraint) -> bool:
         """Whether a path constraint says something about an end: on states that are not all given there."""
@@ -254,21 +268,21 @@ class PhaseBuilder:
                 if bounds == Range():
                     continue
 
-                def relation(k, place=place, name=name, bounds=bounds):
+                def relation(k: Any, place: Place = place, name: str = name, bounds: Range = bounds) -> Any:
                     return _between(bounds, place.values(k)[name])
 
-                self._at_place(f"bound_{name}", place, relation, "bound", name)
+                self._at_place(f"bound_{name}", place, relation, BOUND, name)
 
-    def _at_place(self, component: str, place: Place, relation, kind: str, name: str) -> None:
+    def _at_place(self, component: str, place: Place, relation: Any, kind: ConstraintKind, name: str) -> None:
         times = self.mesh.fractions[place.points]
         rule = (lambda b: relation(None)) if place.over is None else (lambda b, k: relation(k))
         self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), weights=place.quadrature)
 
-    def cost(self):
+    def cost(self) -> Any:
         cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0
         return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
 
-    def integral(self, w):
+    def integral(self, w: Function) -> Any:
         """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""
         total = 0.0
         for place in self.places():
@@ -283,10 +297,10 @@ def _uses_time(phase: Phase) -> bool:
     """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
     constraints = (*phase.residuals, *phase.path, *phase.integral)
     functions = [state.rate for state in phase.states] + [c.function for c in constraints]
-    return any("t" in names_asked(function) for function in functions + [phase.lagrange] * (phase.lagrange is not None))
+    return any("t" in names_asked(function) for function in functions + ([phase.lagrange] if phase.lagrange else []))
 
 
-def bound(variable, bounds: Range, value: float) -> None:
+def bound(variable: Any, bounds: Range, value: float) -> None:
     """Give a Pyomo variable its bounds and its initial value."""
     variable.setlb(_finite(bounds.lower))
     variable.setub(_finite(bounds.upper))
@@ -297,7 +311,7 @@ def _finite(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def _between(bounds: Range, body):
+def _between(bounds: Range, body: Any) -> Any:
     if bounds.fixed:
         return body == bounds.lower
     return (_finite(bounds.lower), body, _finite(bounds.upper))

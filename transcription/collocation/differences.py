@@ -10,20 +10,22 @@ With K equally spaced points, dt = (tF - t0) / (K - 1) and a(t, x, dx/dt, u) the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
 from pyomo.core import RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Phase, State
+from ...problems.problem import Curves, Phase, Problem, Range, State
+from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.mesh import Mesh
-from .builder import PhaseBuilder, Place
+from .builder import PhaseBuilder, Place, Values
 
 
-def refused(phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
     """Why a phase or a mesh is none for finite differences."""
     positions = {state.velocity_of for state in phase.states}
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
@@ -38,24 +40,26 @@ def refused(phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
 class DifferenceBuilder(PhaseBuilder):
     """Fills the block of one phase whose states are positions and their velocities, on equal segments."""
 
-    def __init__(self, *args):
+    def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         velocities = {state.velocity_of: state for state in self.phase.states if state.velocity_of}
         self.pairs = [(s, velocities[s.name]) for s in self.phase.states if s.name in velocities]
 
     @property
-    def dt(self):
+    def dt(self) -> Any:
         return self.duration * (1.0 / self.last)
 
     def stored(self) -> tuple[list[str], np.ndarray]:
         return [position.name for position, _ in self.pairs], np.arange(self.last + 1)
 
-    def variables(self, guess) -> None:
+    def variables(self, guess: Curves) -> None:
         super().variables(guess)
         self.block.inner = RangeSet(1, self.last - 1)
 
     def places(self) -> list[Place]:
-        def place(name, over, values, points, ranges):
+        def place(
+            name: str, over: Any, values: Callable[[Any], dict], points: np.ndarray, ranges: Mapping[str, Range]
+        ) -> Any:
             quadrature = np.full(len(points), 1.0 / self.last)
             return Place(name, over, values, lambda k: self.dt, points, quadrature, ranges)
 
@@ -67,16 +71,16 @@ class DifferenceBuilder(PhaseBuilder):
             place("_final", None, lambda k: self.end_values(True), np.array([self.last]), {s.name: s.final for s in v}),
         ]
 
-    def _positions(self, k) -> dict:
+    def _positions(self, k: Any) -> Values:
         return self.at(k, [position.name for position, _ in self.pairs])
 
-    def _inner_values(self, k) -> dict:
+    def _inner_values(self, k: Any) -> Values:
         x, values = self.block.x, self._positions(k)
         for position, velocity in self.pairs:
             values[velocity.name] = (item(x, position.name, k + 1) - item(x, position.name, k - 1)) / (2 * self.dt)
         return values
 
-    def end_values(self, last: bool) -> dict:
+    def end_values(self, last: bool) -> Values:
         end, step = (self.last, -1) if last else (0, 1)
         values = self._positions(end)
         for position, velocity in self.pairs:
@@ -87,27 +91,22 @@ class DifferenceBuilder(PhaseBuilder):
     def dynamics(self) -> None:
         for position, velocity in self.pairs:
 
-            def inner(block, k, position=position, velocity=velocity):
+            def inner(block: Any, k: Any, position: State = position, velocity: State = velocity) -> Any:
                 return self._defect(position, velocity, k, self._inner_values(k))
 
-            def first(block, *, position=position, velocity=velocity):
+            def first(block: Any, *, position: State = position, velocity: State = velocity) -> Any:
                 return self._defect(position, velocity, 1, self.end_values(False))
 
-            def final(block, *, position=position, velocity=velocity):
+            def final(block: Any, *, position: State = position, velocity: State = velocity) -> Any:
                 return self._defect(position, velocity, self.last - 1, self.end_values(True))
 
             name, times = velocity.name, self.mesh.fractions[1:-1]
-            self.add(f"defect_{name}", self.block.inner, inner, "defect", name, (times, times))
-            self.add(f"defect_{name}_initial", None, first, "defect", name, (0.0, 0.0))
-            self.add(f"defect_{name}_final", None, final, "defect", name, (1.0, 1.0))
+            self.add(f"defect_{name}", self.block.inner, inner, DEFECT, name, (times, times))
+            self.add(f"defect_{name}_initial", None, first, DEFECT, name, (0.0, 0.0))
+            self.add(f"defect_{name}_final", None, final, DEFECT, name, (1.0, 1.0))
 
-    def _defect(self, position: State, velocity: State, k, values: dict):
+    def _defect(self, position: State, velocity: State, k: Any, values: dict) -> Any:
         x = self.block.x
         before, here, after = (item(x, position.name, k + i) for i in (-1, 0, 1))
         second = before - 2 * here + after
         return second == self.dt**2 * velocity.rate(values, pyomo)  # (42)
-
-
-def velocities(x: np.ndarray, dt: float) -> np.ndarray:
-    """dx/dt at the points from positions x, shape (K,): central inside, three points at the ends."""
-    return np.gradient(x, dt, edge_order=2)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..schemes.mesh import Mesh
+from ..schemes.scheme import Scheme, collocation_scheme
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def point_rows(mesh: Mesh) -> Iterator[PointRows]:
     """The rows of all groups whose scheme is in differential form, by the number of dynamics in a row."""
     found: dict[int, list[tuple[int, list[int]]]] = {}
     for number, group in enumerate(mesh.groups):
-        for terms, rows in group.scheme.point_rows or ():
+        for terms, rows in collocation_scheme(group.scheme).point_rows or ():
             found.setdefault(terms, []).append((number, rows))
     for terms, groups in found.items():
         yield _joined(mesh, terms, groups)
@@ -63,14 +64,14 @@ def _joined(mesh: Mesh, terms: int, groups: list[tuple[int, list[int]]]) -> Poin
         group = mesh.groups[number]
         segments.append(np.repeat(group.segments, len(rows)))
         row.append(above + np.tile(np.arange(len(rows)), len(group.segments)))
-        tables.append(_tables(group.scheme, rows, terms, width))
+        tables.append(_tables(collocation_scheme(group.scheme), rows, terms, width))
         parts.append(Part(number, tuple(rows), slice(start, start + len(row[-1]))))
         start, above = parts[-1].q.stop, above + len(rows)
     L, node, R, point = (np.concatenate(columns) for columns in zip(*tables, strict=True))
     return PointRows(np.concatenate(segments), np.concatenate(row), L, node, R, point, tuple(parts))
 
 
-def _tables(scheme, rows: list[int], terms: int, width: int) -> tuple[np.ndarray, ...]:
+def _tables(scheme: Scheme, rows: list[int], terms: int, width: int) -> tuple[np.ndarray, ...]:
     last = len(scheme.sigma) - 1
     L = np.pad(scheme.L[rows], ((0, 0), (0, width - last - 1)))
     node = np.broadcast_to(np.minimum(np.arange(width), last), L.shape)

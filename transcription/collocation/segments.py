@@ -15,33 +15,38 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet, Set
 
-from ...problems.problem import State
+from ...problems.problem import Curves, State
+from ..constraint_kinds import DEFECT
 from ..program.templates import item
-from ..schemes.mesh import Group
-from .builder import PhaseBuilder, Place
+from ..schemes.scheme import Scheme, collocation_scheme
+from ..schemes.segment import Group
+from .builder import PhaseBuilder, Place, Values
 from .point_rows import PointRows, point_rows
 
 
 class CollocationBuilder(PhaseBuilder):
     """Fills the block of one phase by the `schemes.Scheme` of each of its segments."""
 
-    def __init__(self, *args):
+    def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.names = [state.name for state in self.phase.states]
-        gone = [g.nodes[:, [node for node, _ in g.scheme.eliminated]].ravel() for g in self.mesh.groups]
-        gone = np.concatenate(gone)
+        self.schemes = [collocation_scheme(group.scheme) for group in self.mesh.groups]
+        eliminated = [[node for node, _ in scheme.eliminated] for scheme in self.schemes]
+        pairs = zip(self.mesh.groups, eliminated, strict=True)
+        gone = np.concatenate([group.nodes[:, np.array(nodes, int)].ravel() for group, nodes in pairs])
         self.kept = np.setdiff1d(self.mesh.slot_points, gone)
         self.explicit = np.setdiff1d(self.mesh.collocated, gone)
 
     def stored(self) -> tuple[list[str], np.ndarray]:
         return self.names, self.kept
 
-    def variables(self, guess) -> None:
+    def variables(self, guess: Curves) -> None:
         super().variables(guess)
         block, mesh = self.block, self.mesh
         self.explicit_set = self.points("explicit", self.explicit)
@@ -50,17 +55,17 @@ class CollocationBuilder(PhaseBuilder):
         self.data("first", block.segment, mesh.first)
         self.members = [self._set_of(f"segment{i}", g.segments) for i, g in enumerate(mesh.groups)]
 
-    def _set_of(self, name: str, segments: np.ndarray):
+    def _set_of(self, name: str, segments: np.ndarray) -> Any:
         """The Set of a group's segments; the Set of all segments if they are all."""
         if len(segments) == self.mesh.segments:
             over = self.block.segment
         else:
             over = Set(initialize=segments.tolist())
             self.block.add_component(name, over)
-        self.owners[id(over)] = segments
+        self.owners[over.name] = segments
         return over
 
-    def h(self, s):
+    def h(self, s: Any) -> Any:
         return self.duration * item(self.block.width, s)
 
     def places(self) -> list[Place]:
@@ -76,15 +81,15 @@ class CollocationBuilder(PhaseBuilder):
                 computed={},
             )
         ]
-        for i, (group, over) in enumerate(zip(mesh.groups, self.members, strict=True)):
-            for node, _ in group.scheme.eliminated:
-                b = float(group.scheme.b[group.scheme.collocated.index(node)])
+        for i, (scheme, group, over) in enumerate(zip(self.schemes, mesh.groups, self.members, strict=True)):
+            for node, _ in scheme.eliminated:
+                b = float(scheme.b[scheme.collocated.index(node)])
                 places.append(
                     Place(
                         name=f"_group{i}_node{node}",
                         over=over,
-                        values=lambda s, scheme=group.scheme, node=node: self._nodes(scheme, s)[node],
-                        weight=lambda s, b=b: self.h(s) * b,
+                        values=partial(self._node, scheme, node),
+                        weight=partial(self._weight, b),
                         points=group.nodes[:, node],
                         quadrature=mesh.weights[group.nodes[:, node]],
                         computed={state.name: state.bounds for state in self.phase.states},
@@ -92,7 +97,13 @@ class CollocationBuilder(PhaseBuilder):
                 )
         return places
 
-    def end_values(self, last: bool) -> dict:
+    def _node(self, scheme: Scheme, node: int, s: Any) -> Values:
+        return self._nodes(scheme, s)[node]
+
+    def _weight(self, b: float, s: Any) -> Any:
+        return self.h(s) * b
+
+    def end_values(self, last: bool) -> Values:
         """The states at the end, and the inputs there: extrapolated where the end is no collocation point."""
         k = self.last if last else 0
         values = self.at(k, self.names, inputs=k in self.mesh.collocated)
@@ -106,30 +117,29 @@ class CollocationBuilder(PhaseBuilder):
 
     def dynamics(self) -> None:
         for i, (group, over) in enumerate(zip(self.mesh.groups, self.members, strict=True)):
-            if group.scheme.point_rows is None:
+            if collocation_scheme(group.scheme).point_rows is None:
                 self._rows_by_segment(group, over, i)
         for rows in point_rows(self.mesh):
             self._rows_by_point(rows)
 
-    def _rows_by_segment(self, group: Group, over, number: int) -> None:
+    def _rows_by_segment(self, group: Group, over: Any, number: int) -> None:
         span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
+        scheme = collocation_scheme(group.scheme)
         for state in self.phase.states:
-            for r in group.scheme.rows:
+            for r in scheme.rows:
 
-                def rule(block, s, r=r, state=state):
-                    return self._defect(group.scheme, s, r, state)
+                def rule(block: Any, s: Any, r: int = r, state: State = state) -> Any:
+                    return self._defect(scheme, s, r, state)
 
-                self.add(
-                    f"defect{number}_{state.name}_{r}", over, rule, "defect", state.name, span, group=number, row=r
-                )
+                self.add(f"defect{number}_{state.name}_{r}", over, rule, DEFECT, state.name, span, group=number, row=r)
 
-    def _defect(self, scheme, s, r: int, state: State):
+    def _defect(self, scheme: Scheme, s: Any, r: int, state: State) -> Any:
         nodes = self._nodes(scheme, s)
         x = [node[state.name] for node in nodes]
         f = self._rates(scheme, state, nodes, scheme.R[r])
         return _dot(scheme.L[r], x) == self.h(s) * _dot(scheme.R[r], f)  # (3.3), (4.3), (4.4)
 
-    def _nodes(self, scheme, s) -> list[dict]:
+    def _nodes(self, scheme: Scheme, s: Any) -> list[Values]:
         """The values at the nodes of segment s; eliminated states are expressions of the others."""
         eliminated, first = dict(scheme.eliminated), item(self.block.first, s)
         nodes = [
@@ -143,7 +153,7 @@ class CollocationBuilder(PhaseBuilder):
                 nodes[node][state.name] = scheme.eliminate(node, row, x, f, self.h(s))
         return nodes
 
-    def _rates(self, scheme, state: State, nodes: list[dict], weights: np.ndarray) -> list:
+    def _rates(self, scheme: Scheme, state: State, nodes: list[Values], weights: np.ndarray) -> list:
         """f at the collocation nodes whose weight is not zero, None at the others."""
         pairs = zip(scheme.collocated, weights, strict=True)
         return [state.rate(nodes[i], pyomo) if weight else None for i, weight in pairs]
@@ -152,7 +162,7 @@ class CollocationBuilder(PhaseBuilder):
         block, mesh, name = self.block, self.mesh, f"rows{rows.terms}"
         over = RangeSet(0, len(rows.row) - 1)
         block.add_component(f"{name}_q", over)
-        self.owners[id(over)] = rows.segments
+        self.owners[over.name] = rows.segments
         start, own = mesh.first[rows.segments], rows.point[rows.row, 0] if rows.terms else mesh.degrees[rows.segments]
         times = mesh.fractions[start + own]
         columns = {"first": start, "width": mesh.widths[rows.segments], "row": rows.row}
@@ -161,7 +171,7 @@ class CollocationBuilder(PhaseBuilder):
         nodes, tables = rows.L.shape[1], {"L": rows.L, "node": rows.node, "R": rows.R, "point": rows.point}
         L, node, R, point = (self.data(f"{name}_{key}", None, table.ravel()) for key, table in tables.items())
 
-        def defect(block, q, state: State):
+        def defect(block: Any, q: Any, state: State) -> Any:
             k, a, r = item(first, q), nodes * item(row, q), rows.terms * item(row, q)
             x = [item(block.x, state.name, k + item(node, a + i)) for i in range(nodes)]
             left = sum([item(L, a + i) * x_i for i, x_i in enumerate(x)])
@@ -174,10 +184,10 @@ class CollocationBuilder(PhaseBuilder):
             block.add_component(f"defect_of_{rows.terms}_{state.name}", constraint)
             for part in rows.parts:
                 span = times[part.q], times[part.q]
-                self.tell(constraint, "defect", state.name, span, group=part.group, row=part.rows, part=part.q)
+                self.tell(constraint, DEFECT, state.name, span, group=part.group, row=part.rows, part=part.q)
 
 
-def _dot(weights: np.ndarray, values: Sequence):
+def _dot(weights: np.ndarray, values: Sequence) -> Any:
     """sum_i weights[i] * values[i], with no term where the weight is zero."""
     # A list, not a generator: Pyomo takes a sum over a generator for a sum over a Set.
     return sum([value if w == 1 else float(w) * value for w, value in zip(weights, values, strict=True) if w])

@@ -6,18 +6,16 @@ import json
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake
-from ...problems.text import short_repr
 from ..program.alone import LOCK
-from ..program.compiler import CompiledNLP
-from ..program.family import NotFinite
+from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
-from .outcome import Outcome, Status
+from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {
     # IPOPT's own 1e-8 lets the optimum of Bryson and Denham's problem gain 3e-7, which no error estimate sees.
@@ -38,12 +36,6 @@ OPTION_FILE = "option_file_name"
 
 USER_SCALING = {"nlp_scaling_method": "user-scaling"}
 
-COLUMNS = (
-    "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",
-    "step_norm", "regularization", "dual_step", "primal_step", "line_search_trials",
-)  # fmt: skip
-"""What IPOPT tells of each iteration, in the order of its callback."""
-
 FREQUENT_OPTIONS = (
     "acceptable_iter", "acceptable_tol", "bound_relax_factor", "constr_viol_tol", "derivative_test", "dual_inf_tol",
     "compl_inf_tol", "fixed_variable_treatment", "hessian_approximation", "hsllib", "linear_solver", "max_cpu_time",
@@ -54,16 +46,6 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
-@short_repr
-@dataclass(frozen=True)
-class Start:
-    """Multipliers to start from, with the signs and shapes of `Outcome`."""
-
-    y: np.ndarray
-    z_lower: np.ndarray
-    z_upper: np.ndarray
-
-
 WARM = {
     "warm_start_init_point": "yes", "mu_init": 1e-8,  # a larger one is where a loose tolerance stops
     "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
@@ -71,8 +53,8 @@ WARM = {
 }  # fmt: skip
 
 
-def solve(
-    nlp: CompiledNLP,
+def solve_program(
+    nlp: NonlinearProgram,
     z: np.ndarray,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -138,7 +120,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-def _silence(problem) -> None:
+def _silence(problem: Any) -> None:
     """Keep IPOPT from printing its own, longer words for an option that it refuses.
 
     It obeys the print level only from its first solve on; that of a problem of one unknown takes 3 ms.
@@ -148,7 +130,7 @@ def _silence(problem) -> None:
     problem.solve(np.array([0.5]))
 
 
-def _problem(**definition):
+def _problem(**definition: Any) -> Any:
     """A new problem of cyipopt that takes its options from the caller only.
 
     IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
@@ -159,7 +141,7 @@ def _problem(**definition):
     return problem
 
 
-def _accepts(problem, name: str, value) -> bool:
+def _accepts(problem: Any, name: str, value: object) -> bool:
     if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
         return False
     for attempt in (value, float(value)) if isinstance(value, int) else (value,):  # IPOPT tells 1 from 1.0
@@ -171,7 +153,7 @@ def _accepts(problem, name: str, value) -> bool:
     return False
 
 
-def _cyipopt():
+def _cyipopt() -> Any:
     """Import cyipopt without scipy.optimize.
 
     cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
@@ -180,7 +162,7 @@ def _cyipopt():
     with LOCK:
         alone = threading.active_count() == 1  # another thread may be importing SciPy for itself
         if alone and "cyipopt" not in sys.modules and "scipy" not in sys.modules:
-            sys.modules["scipy"] = None
+            sys.modules["scipy"] = None  # type: ignore[assignment]  # as documented for the import system
             try:
                 import cyipopt
             finally:
@@ -192,50 +174,52 @@ def _cyipopt():
 class _Nothing:
     """The least that cyipopt takes for a problem."""
 
-    def objective(self, z):
+    def objective(self, z: np.ndarray) -> float:
         return 0.0
 
-    def gradient(self, z):
+    def gradient(self, z: np.ndarray) -> np.ndarray:
         return np.zeros_like(z)
 
 
 class _Callbacks:
     """The functions IPOPT calls, with a record of each iteration and of the last evaluation that was not finite."""
 
-    def __init__(self, nlp: CompiledNLP, progress, stop):
+    def __init__(
+        self, nlp: NonlinearProgram, progress: Callable[[dict], None] | None, stop: Callable[[], bool] | None
+    ) -> None:
         self.nlp, self.progress, self.stop = nlp, progress, stop
-        self.record = {name: [] for name in COLUMNS}
-        self.failed = None
+        self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
+        self.failed: tuple[np.ndarray, list] | None = None
 
-    def _finite(self, function, z, *args):
+    def _finite(self, function: Callable, z: np.ndarray, *args: Any) -> Any:
         try:
             return function(z, *args)
         except NotFinite as error:
             self.failed = (np.array(z), error.names)
             raise _cyipopt().CyIpoptEvaluationError from error
 
-    def objective(self, z):
+    def objective(self, z: np.ndarray) -> float:
         return self._finite(self.nlp.objective, z)
 
-    def gradient(self, z):
+    def gradient(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.gradient, z)
 
-    def constraints(self, z):
+    def constraints(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.constraints, z)
 
-    def jacobianstructure(self):
+    def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         return self.nlp.jacobianstructure()
 
-    def jacobian(self, z):
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
         return self._finite(self.nlp.jacobian, z)
 
-    def hessianstructure(self):
+    def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         return self.nlp.hessianstructure()
 
-    def hessian(self, z, y, sigma):
+    def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
         return self._finite(self.nlp.hessian, z, y, sigma)
 
-    def intermediate(self, *values):
+    def intermediate(self, *values: float) -> bool:
         for name, value in zip(COLUMNS, values, strict=True):
             self.record[name].append(value)
         if self.progress:

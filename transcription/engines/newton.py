@@ -13,33 +13,32 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from scipy.sparse import bmat, coo_matrix
 from scipy.sparse.linalg import splu
 
 from ...problems.errors import Mistake, SpecError
-from ..program.compiler import CompiledNLP
-from ..program.family import NotFinite
-from .ipopt import COLUMNS
-from .outcome import Outcome, Status
+from ..program.contract import NonlinearProgram, NotFinite
+from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {"tol": 1e-8, "max_iter": 100, "line_search": "no"}
 SHORTEST_STEP = 1e-8
 
 
-def solve(
-    nlp: CompiledNLP,
+def solve_program(
+    nlp: NonlinearProgram,
     z: np.ndarray,
     lower: np.ndarray,
     upper: np.ndarray,
     options: Mapping[str, object] | None = None,
-    start=None,
+    start: Start | None = None,
     progress: Callable[[dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
-    scaling=None,
+    scaling: object = None,
 ) -> Outcome:
-    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve`.
+    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve_program`.
 
     options: tol, max_iter, and line_search (yes or no: halve a step until the KKT residual shrinks).
     Newton's steps do not depend on scaling, so none is applied.
@@ -65,7 +64,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-def _inequalities(nlp: CompiledNLP, lower: np.ndarray, upper: np.ndarray) -> list[Mistake]:
+def _inequalities(nlp: NonlinearProgram, lower: np.ndarray, upper: np.ndarray) -> list[Mistake]:
     remedy = "use IPOPT: leave out 'engine: newton'"
     mistakes = []
     if (nlp.cl != nlp.cu).any():
@@ -80,13 +79,23 @@ def _inequalities(nlp: CompiledNLP, lower: np.ndarray, upper: np.ndarray) -> lis
 class _Newton:
     """One solve; `free` are the variables that no bound fixes."""
 
-    def __init__(self, nlp: CompiledNLP, z, lower, upper, options, start, progress, stop):
+    def __init__(
+        self,
+        nlp: NonlinearProgram,
+        z: np.ndarray,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        options: Mapping[str, Any],
+        start: Start | None,
+        progress: Callable[[dict], None] | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
         self.nlp, self.options, self.progress, self.stop = nlp, options, progress, stop
         self.free = np.flatnonzero(lower != upper)
         self.z = np.where(lower == upper, lower, z)
         self.y = start.y if start else np.zeros(nlp.m)
-        self.record = {name: [] for name in COLUMNS}
-        self.failed = None
+        self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
+        self.failed: tuple[np.ndarray, list] | None = None
 
     def run(self) -> Outcome:
         try:
@@ -130,12 +139,12 @@ class _Newton:
             before = objective
         return Status.MAX_ITERATIONS
 
-    def _jacobian(self):
+    def _jacobian(self) -> Any:
         rows, cols = self.nlp.jacobianstructure()
         shape = (self.nlp.m, self.nlp.n)
         return coo_matrix((self.nlp.jacobian(self.z), (rows, cols)), shape).tocsc()[:, self.free]
 
-    def _hessian(self):
+    def _hessian(self) -> Any:
         rows, cols = self.nlp.hessianstructure()
         lower = coo_matrix((self.nlp.hessian(self.z, self.y, 1.0), (rows, cols)), (self.nlp.n, self.nlp.n)).tocsc()
         full = lower + lower.T
@@ -151,7 +160,10 @@ class _Newton:
             solution = splu(matrix).solve(right)  # (36)
         except RuntimeError:  # SuperLU: the factor is exactly singular
             return None
-        return np.split(solution, [len(self.free)]) if np.isfinite(solution).all() else None
+        if not np.isfinite(solution).all():
+            return None
+        n = len(self.free)
+        return solution[:n], solution[n:]
 
     def _step_length(self, dz: np.ndarray, y_new: np.ndarray) -> float:
         """The first of 1, 1/2, 1/4, ... that shrinks the KKT residual; the last one tried if none does."""

@@ -78,7 +78,7 @@ class Status(Enum):
     NO_MEMORY = (-102, "ran out of memory", "use fewer segments")
     FAILED = (-199, "IPOPT failed inside", "try another 'solver: {linear_solver: ...}' or report it")
 
-    def __init__(self, code: int, message: str, remedy: str):
+    def __init__(self, code: int, message: str, remedy: str) -> None:
         self.code, self.message, self.remedy = code, message, remedy
 
     @property
@@ -89,6 +89,23 @@ class Status(Enum):
     @classmethod
     def from_code(cls, code: int) -> Status:
         return next((status for status in cls if status.code == code), cls.FAILED)
+
+
+COLUMNS = (
+    "mode", "iteration", "objective", "primal_infeasibility", "dual_infeasibility", "mu",
+    "step_norm", "regularization", "dual_step", "primal_step", "line_search_trials",
+)  # fmt: skip
+"""What is told of each iteration, in the order of IPOPT's callback."""
+
+
+@short_repr
+@dataclass(frozen=True)
+class Start:
+    """Multipliers to start from, with the signs and shapes of `Outcome`."""
+
+    y: np.ndarray
+    z_lower: np.ndarray
+    z_upper: np.ndarray
 
 
 @short_repr

@@ -64,4 +64,4 @@ def _write_gams(expanded: Transcription, targets: Sequence[Path]) -> None:
 
 def _write_latex(expanded: Transcription, targets: Sequence[Path]) -> None:
     with replacing(targets[0]) as temporary, temporary.open("w", encoding="utf-8") as stream:
-        latex.write(expanded, stream)
+        latex.write_latex(expanded, stream)

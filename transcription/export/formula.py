@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Any
 
 from pyomo.core.expr import numeric_expr as ne
 from pyomo.core.expr import relational_expr as relation
@@ -163,7 +164,8 @@ def power(base: Formula, exponent: Formula) -> Formula:
     raised = Piece(f"^{{{exponent.text}}}", SUBSCRIPT * exponent.width)
     if base.binding is Binding.CALL and not base.negative and exponent.text.isdigit():  # sin^2(x)
         first = base.pieces[0]
-        command = re.match(r"\\[a-z]+(\{[a-z]+\})?", first.text)[0]
+        found = re.match(r"\\[a-z]+(\{[a-z]+\})?", first.text)
+        command = found[0] if found else ""
         rest = Formula((Piece(first.text.removeprefix(command), first.width), *base.pieces[1:]), Binding.POWER)
         return rest.behind(Piece(command, 0.0) + raised)
     return replace(base.signed().size(Binding.ATOM).before(raised), binding=Binding.POWER)
@@ -186,30 +188,30 @@ def related(sign: Piece, *sides: Formula) -> Formula:
     return Formula((*first.pieces, *pieces), Binding.SUM)
 
 
-class Printer(StreamBasedExpressionVisitor):
+class Printer(StreamBasedExpressionVisitor):  # type: ignore[misc]  # Pyomo has no types
     """Expressions and relations of Pyomo -> formulas. names: id of a variable -> its name."""
 
-    def __init__(self, names: Mapping[int, Formula]):
+    def __init__(self, names: Mapping[int, Formula]) -> None:
         super().__init__()
         self.names = names
 
-    def __call__(self, expression) -> Formula:
+    def __call__(self, expression: Any) -> Formula:
         return self.walk_expression(expression)
 
-    def initializeWalker(self, expression):  # noqa: N802 (Pyomo's name)
+    def initializeWalker(self, expression: Any) -> Any:  # noqa: N802 (Pyomo's name)
         return self.beforeChild(None, expression, None)
 
-    def beforeChild(self, node, child, index):  # noqa: N802 (Pyomo's name)
+    def beforeChild(self, node: Any, child: Any, index: Any) -> Any:  # noqa: N802 (Pyomo's name)
         if child.__class__ in native_numeric_types:
             return False, number(child)
         if child.is_expression_type():
             return True, None
         return False, self.names[id(child)] if child.is_variable_type() else number(value(child))
 
-    def exitNode(self, node, parts):  # noqa: N802 (Pyomo's name)
+    def exitNode(self, node: Any, parts: Any) -> Any:  # noqa: N802 (Pyomo's name)
         for kind, write in _NODES.items():
             if isinstance(node, kind):
-                return write(node, parts)
+                return write(node, parts)  # type: ignore[no-untyped-call]
         raise TemplateError(f"{type(node).__name__} has no formula: {node}")
 
 
@@ -228,7 +230,8 @@ _NODES = {
 
 def lines(formula: Formula) -> list[str]:
     """The formula in lines no wider than LINE, but for pieces that are."""
-    rows, free = [[]], LINE
+    rows: list[list[str]] = [[]]
+    free = LINE
     for piece in formula.signed().pieces:
         if piece.width > free and rows[-1]:
             rows.append([])

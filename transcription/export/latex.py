@@ -18,6 +18,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from ..constraint_kinds import DEFECT
 from ..layout import Family, Transcription
 from ..schemes.mesh import Mesh
 from .formula import AT_MOST, EQUAL, Formula, Piece, Printer, lines, name, number, related
@@ -29,16 +30,6 @@ HEAD = r"""\documentclass{article}
 \allowdisplaybreaks
 \begin{document}
 """
-
-KINDS = {
-    "defect": "Defect of {}",
-    "residual": "Residual {}",
-    "path": "Path constraint {}",
-    "path end": "Path constraint {}",
-    "bound": "Bounds of {}",
-    "boundary": "Boundary constraint {}",
-    "integral": "Integral constraint {}",
-}
 
 SPECIAL = str.maketrans(
     {
@@ -52,7 +43,7 @@ SPECIAL = str.maketrans(
 LAST_KNOWN = "\u017f"  # pdflatex knows the accented Latin letters, which end here, and stops at others
 
 
-def write(transcription: Transcription, stream: TextIO) -> None:
+def write_latex(transcription: Transcription, stream: TextIO) -> None:
     """Write an expanded transcription (see `transcribe`) as a document that pdflatex takes."""
     document = _Document(transcription, stream)
     stream.write(HEAD)
@@ -70,7 +61,7 @@ def escaped(text: str) -> str:
 
 
 class _Document:
-    def __init__(self, transcription: Transcription, stream: TextIO):
+    def __init__(self, transcription: Transcription, stream: TextIO) -> None:
         self.transcription, self.stream = transcription, stream
         self.variables = list(_variables(transcription))
         self.formula_of = Printer(
@@ -117,11 +108,11 @@ class _Document:
         self.section("Unknowns and bounds")
         rows: list[Formula] = []
         for symbol, subscripts, variables in self.variables:
-            alike: dict[tuple, list] = {}
+            alike: dict[tuple[Any, Any], list] = {}
             for k, variable in variables.items():
                 ends = (variable.value, variable.value) if variable.fixed else variable.bounds
                 alike.setdefault(ends, []).append(k)
-            rows += [_bounds(symbol, subscripts, *ends, points) for ends, points in alike.items()]
+            rows += [_bounds(symbol, subscripts, low, high, points) for (low, high), points in alike.items()]
         self.formulas(rows)
 
 
@@ -146,12 +137,12 @@ def _name(symbol: str, subscripts: tuple[str, ...], k: int | str | None) -> Form
 
 def _labels(family: Family, mesh: Mesh) -> Iterator[str]:
     """What each constraint of a family is, and where it holds."""
-    what = KINDS[family.kind].format(escaped(family.name))
+    what = family.kind.heading.format(escaped(family.name))
     if family.phase != "main":
         what += f" of phase {escaped(family.phase)}"
-    rows = getattr(mesh.groups[family.group].scheme, "rows", ()) if family.kind == "defect" else ()
+    rows = mesh.groups[family.group].scheme.rows if family.kind is DEFECT else ()
     for start, end in family.span:
-        if family.kind in ("boundary", "integral"):
+        if not family.kind.timed:
             yield what
         elif start == end:
             yield f"{what}, point {np.searchsorted(mesh.fractions, start)}"
@@ -160,7 +151,7 @@ def _labels(family: Family, mesh: Mesh) -> Iterator[str]:
             yield f"{what}, segment {np.searchsorted(mesh.edges, start) + 1}{row}"
 
 
-def _bounds(symbol: str, subscripts: tuple[str, ...], lower, upper, points: list) -> Formula:
+def _bounds(symbol: str, subscripts: tuple[str, ...], lower: Any, upper: Any, points: list) -> Formula:
     """One line for all points with the same bounds."""
     variable = _name(symbol, subscripts, points[0] if len(points) == 1 else "k")
     if lower is None and upper is None:

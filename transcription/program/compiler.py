@@ -14,35 +14,23 @@ which keeps the KKT matrix banded when the variables are ordered point by point.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from functools import wraps
+from collections.abc import Iterator, Sequence
 from math import inf, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import symengine as se
+from pyomo.common.collections import ComponentMap
 from pyomo.core import Constraint, Objective, minimize
 from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types
 from pyomo.core.expr.template_expr import TemplateSumExpression
 
-from .family import CompiledFamily, Entries, NotFinite
+from .contract import callback
+from .family import CompiledFamily, Entries
 from .machine_code import available_backend, compile_family, timing
 from .symbolic import Arguments, Slots
 from .templates import TemplateError, linear_parts, template_of
-
-
-def _callback(method: Callable) -> Callable:
-    @wraps(method)
-    def call(self, *args):
-        start = time.perf_counter()
-        try:
-            return method(self, *args)
-        finally:
-            self.seconds["evaluate"] += time.perf_counter() - start
-
-    return call
 
 
 class CompiledNLP:
@@ -55,26 +43,26 @@ class CompiledNLP:
     Raises TemplateError for a model the compiler cannot take. Callbacks raise NotFinite.
     """
 
-    def __init__(self, model, variables: Sequence, backend: str | None = None):
+    def __init__(self, model: Any, variables: Sequence, backend: str | None = None) -> None:
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.m = len(variables), 0
         self._backend = backend or available_backend()
         self._slots = Slots(variables)
         self._row_families: list[CompiledFamily] = []
         self._sum_families: list[CompiledFamily] = []
-        self._rows: dict[int, np.ndarray] = {}
+        self._rows = ComponentMap()
         sums = self._add_constraints(model)
         self._sum_families += self._add_sums(sums)
         self._cost_families = self._add_objective(model)
         self._numbers = np.concatenate([np.full(self.n, np.nan), self._slots.data])
         self._prepare()
 
-    def _add_constraints(self, model) -> list:
-        groups: dict[int | None, list] = {}
+    def _add_constraints(self, model: Any) -> list:
+        groups = ComponentMap()
         for c in model.component_objects(Constraint, active=True):
-            self._rows[id(c)] = np.zeros(0, dtype=np.intp)
+            self._rows[c] = np.zeros(0, dtype=np.intp)
             if len(c):
-                groups.setdefault(id(c.index_set()) if c.is_indexed() else None, []).append(c)
+                groups.setdefault(c.index_set() if c.is_indexed() else None, []).append(c)
         sums: list = []
         bounds = [self._add_rows(group, sums) for group in groups.values()]
         self.cl, self.cu = np.concatenate([np.zeros((2, 0)), *bounds], axis=1)
@@ -90,7 +78,7 @@ class CompiledNLP:
             self.m += size * width
             outputs, bounds = [], np.empty((2, size, width))
             for o, c in enumerate(components):
-                self._rows[id(c)] = rows[:, o]
+                self._rows[c] = rows[:, o]
                 sides, lower, upper, template = _relation(c)
                 bounds[:, :, o] = arguments.numbers(lower, template), arguments.numbers(upper, template)
                 if over is None:
@@ -102,14 +90,14 @@ class CompiledNLP:
 
     def _add_sums(self, sums: list) -> list[CompiledFamily]:
         """A family for each Set that is summed over, with one output for each row it adds to."""
-        groups: dict[int, list] = {}
+        groups = ComponentMap()
         for term in sums:
-            groups.setdefault(id(_placeholder(term)._set), []).append(term)
+            groups.setdefault(_placeholder(term)._set, []).append(term)
         families = []
-        for terms in groups.values():
+        for over, terms in groups.items():
             with timing(self.seconds, "differentiate"):
-                over = _placeholder(terms[0])._set
-                arguments, outputs = self._arguments(over), {}
+                arguments = self._arguments(over)
+                outputs: dict[int, se.Basic] = {}
                 for term in terms:
                     y = _product(arguments, term.factors, term.expression, _placeholder(term))
                     outputs[term.row] = outputs.get(term.row, 0) + y
@@ -118,11 +106,12 @@ class CompiledNLP:
             families.append(self._family(list(components.values()), over, arguments, list(outputs.values()), rows))
         return families
 
-    def _add_objective(self, model) -> list[CompiledFamily]:
+    def _add_objective(self, model: Any) -> list[CompiledFamily]:
         objectives = list(model.component_objects(Objective, active=True))
         if len(objectives) != 1 or objectives[0].is_indexed() or objectives[0].sense != minimize:
             raise TemplateError(f"one scalar objective to minimise is wanted, found {[c.name for c in objectives]}")
-        cost, sums = objectives[0], []
+        cost = objectives[0]
+        sums: list = []
         with timing(self.seconds, "differentiate"):
             arguments = self._arguments(None)
             plain = _without_sums([(1, template_of(cost)[0])], arguments, cost, self.m, sums)
@@ -131,10 +120,10 @@ class CompiledNLP:
             families.append(self._family([cost], None, arguments, [plain], np.array([self.m])))
         return families
 
-    def _arguments(self, over) -> Arguments:
+    def _arguments(self, over: Any) -> Arguments:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
-    def _family(self, components, over, arguments, outputs, rows) -> CompiledFamily:
+    def _family(self, components: Any, over: Any, arguments: Any, outputs: Any, rows: np.ndarray) -> CompiledFamily:
         code = compile_family(
             [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
         )
@@ -149,13 +138,20 @@ class CompiledNLP:
             (f, f.jacobian_entries(n)) for f in self._row_families + self._sum_families if f.code.jacobian
         ]
         self._hessian = [(f, f.hessian_entries(n)) for f in self._families if f.code.hessian]
+        self._asked = {
+            "objective": self._cost_families,
+            "gradient": self._cost_families,
+            "constraints": self._row_families + self._sum_families,
+            "jacobian": [f for f, _ in self._jacobian],
+            "hessian": [f for f, _ in self._hessian],
+        }
         self._gradient_columns = [
             np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel() for f in self._cost_families
         ]
 
-    def rows(self, component) -> np.ndarray:
+    def rows(self, component: Any) -> np.ndarray:
         """The row numbers of a Constraint, in the order of its index set."""
-        return self._rows[id(component)]
+        return self._rows[component]
 
     def row_name(self, row: int) -> tuple[str, int | None]:
         """(component name, index or None) of a row."""
@@ -163,7 +159,7 @@ class CompiledNLP:
         s, o = divmod(row - family.rows[0, 0], len(family.components))
         return family.components[o].name, None if family.index is None else int(family.index[s])
 
-    def _move(self, z: np.ndarray) -> None:
+    def move(self, z: np.ndarray) -> None:
         """Read z into the arguments of every family, unless it is there already."""
         if np.array_equal(z, self._numbers[: self.n]):
             return
@@ -171,40 +167,33 @@ class CompiledNLP:
         for f in self._families:
             f.variables[:] = self._numbers.take(f.columns)
 
-    def _check(self, kind: str, values, families: list[CompiledFamily]) -> None:
-        if not np.isfinite(values).all():
-            derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
-            raise NotFinite(kind, [name for f in families for name in f.culprits(derivative)])
+    def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
+        """What is not finite in a callback: (component name, index) each."""
+        derivative = {"objective": "constraints", "gradient": "jacobian"}.get(kind, kind)
+        return [name for f in self._asked[kind] for name in f.culprits(derivative)]
 
-    @_callback
+    @callback
     def objective(self, z: np.ndarray) -> float:
         """f(z)."""
-        self._move(z)
-        f = sum(float(f.code.value(f.arguments).sum()) for f in self._cost_families)
-        self._check("objective", f, self._cost_families)
-        return f
+        return sum(float(f.code.value(f.arguments).sum()) for f in self._cost_families)
 
-    @_callback
+    @callback
     def gradient(self, z: np.ndarray) -> np.ndarray:
         """df/dz, shape (n,)."""
-        self._move(z)
         g = np.zeros(self.n + 1)
         for f, columns in zip(self._cost_families, self._gradient_columns, strict=True):
             if f.code.jacobian:
                 g += np.bincount(columns, f.code.jacobian(f.arguments).ravel(), minlength=self.n + 1)
-        self._check("gradient", g, self._cost_families)
         return g[: self.n]
 
-    @_callback
+    @callback
     def constraints(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,)."""
-        g = self.constraints_unchecked(z)
-        self._check("constraints", g, self._row_families + self._sum_families)
-        return g
+        return self.constraints_unchecked(z)
 
     def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,), with NaN and infinity where it is not finite."""
-        self._move(z)
+        self.move(z)
         g = np.empty(self.m)
         for f in self._row_families:
             f.code.value(f.arguments, out=g[f.rows[0, 0] : f.rows[-1, -1] + 1])
@@ -216,20 +205,18 @@ class CompiledNLP:
         """Rows and columns of the nonzeros of dg/dz; those that stand twice (in rows with several sums) are added."""
         return _structure(self._jacobian)
 
-    @_callback
+    @callback
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """The nonzeros of dg/dz, in the order of jacobianstructure()."""
-        self._move(z)
         return self._derivatives("jacobian", self._jacobian)
 
     def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows and columns (row >= column) of the nonzeros of the Hessian; those that stand twice are added."""
         return _structure(self._hessian)
 
-    @_callback
+    @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
         """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
-        self._move(z)
         weights = np.append(y, sigma)
         for f, _ in self._hessian:
             f.weights[:] = weights[f.rows]
@@ -239,15 +226,15 @@ class CompiledNLP:
         """The gradient of f + y g term by term: (Set, its indices (S,), columns (S, K), terms (S, K)) of each family.
 
         Term k of index s is a derivative by z[columns[s, k]], or by a fixed variable where columns[s, k] >= n. The
-        Set and the indices are None for what has no index (S = 1).
+        Set is told by its name; it and the indices are None for what has no index (S = 1).
         """
-        self._move(z)
+        self.move(z)
         weights = np.append(y, 1.0)
         for f in self._families:
             if f.code.jacobian:
                 o, j = f.code.jacobian_at.T
                 raw = f.code.jacobian(f.arguments).reshape(len(f.arguments), -1)
-                yield f.over, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
+                yield None if f.over is None else f.over.name, f.index, f.columns[:, j], raw * weights[f.rows[..., o]]
 
     def _derivatives(self, kind: str, pieces: list[tuple[CompiledFamily, Entries]]) -> np.ndarray:
         out, start = np.empty(sum(len(e.rows) for _, e in pieces)), 0
@@ -255,16 +242,16 @@ class CompiledNLP:
             stop = start + len(entries.rows)
             entries.evaluate(f.functions[kind], f.arguments, out[start:stop])
             start = stop
-        self._check(kind, out, [f for f, _ in pieces])
         return out
 
 
 def _structure(pieces: list[tuple[CompiledFamily, Entries]]) -> tuple[np.ndarray, np.ndarray]:
     none = np.zeros(0, dtype=np.intp)
-    return tuple(np.concatenate([none, *(getattr(e, side) for _, e in pieces)]) for side in ("rows", "cols"))
+    entries = [own for _, own in pieces]
+    return np.concatenate([none, *(e.rows for e in entries)]), np.concatenate([none, *(e.cols for e in entries)])
 
 
-def _relation(c) -> tuple[list, object, object, object]:
+def _relation(c: Any) -> tuple[list, object, object, object]:
     """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
     e, template = template_of(c)
     if getattr(e, "strict", False) not in (False, (False, False)):
@@ -293,15 +280,15 @@ class _SumTerm(NamedTuple):
     expression: object
 
 
-def _placeholder(term: _SumTerm):
+def _placeholder(term: _SumTerm) -> Any:
     return term.total.template_iters()[0][0]
 
 
-def _product(arguments: Arguments, factors: list, e, template) -> se.Basic:
+def _product(arguments: Arguments, factors: list, e: Any, template: Any) -> se.Basic:
     return prod((arguments.translate(f, template) for f in factors), start=arguments.translate(e, template))
 
 
-def _without_sums(sides: list, arguments: Arguments, c, row: int, sums: list) -> se.Basic:
+def _without_sums(sides: list, arguments: Arguments, c: Any, row: int, sums: list) -> se.Basic:
     """The terms of a scalar row that stand in no sum over a Set; the others are put down in `sums`."""
     plain = se.Integer(0)
     for sign, side in sides:

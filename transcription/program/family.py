@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from .contract import cross_factor
 from .machine_code import Code, compile_family
 from .symbolic import Arguments
-
-
-class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a mistake)
-    """A function or derivative is NaN or infinite at this z.
-
-    kind: the callback. names: the culprits, a list of (component name, index or None).
-    """
-
-    def __init__(self, kind: str, names: list[tuple[str, int | None]]):
-        self.kind, self.names = kind, names
-        shown = ", ".join(name if index is None else f"{name}[{index}]" for name, index in names[:3])
-        super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))
 
 
 class Entries:
@@ -28,7 +18,9 @@ class Entries:
     Raw derivatives by a fixed variable (`free` is false) are dropped, and those at one place are added.
     """
 
-    def __init__(self, rows: np.ndarray, cols: np.ndarray, free: np.ndarray, n: int, factor: np.ndarray | None = None):
+    def __init__(
+        self, rows: np.ndarray, cols: np.ndarray, free: np.ndarray, n: int, factor: np.ndarray | None = None
+    ) -> None:
         self.rows, self.cols, self._factor, self._places = rows.ravel(), cols.ravel(), factor, None
         key = np.where(free, rows * n + cols, -1).ravel()
         distinct, places = np.unique(key, return_inverse=True)
@@ -36,8 +28,10 @@ class Entries:
             self._places, self._dropped = places, int(distinct[0] < 0)
             self.rows, self.cols = np.divmod(distinct[self._dropped :], n)
 
-    def evaluate(self, function: Callable, arguments: np.ndarray, out: np.ndarray) -> None:
-        """Write the derivatives into `out`, shape (len(rows),)."""
+    def evaluate(self, function: Callable | None, arguments: np.ndarray, out: np.ndarray) -> None:
+        """Write the derivatives into `out`, shape (len(rows),). Without a function there are none."""
+        if function is None:
+            return
         if self._places is None and self._factor is None:
             function(arguments, out=out)
             return
@@ -54,7 +48,7 @@ class CompiledFamily:
     one output are added up into one row.
     """
 
-    def __init__(self, components: list, over, arguments: Arguments, rows: np.ndarray, code: Code):
+    def __init__(self, components: list, over: Any, arguments: Arguments, rows: np.ndarray, code: Code) -> None:
         self.components, self.over, self.rows, self.code = components, over, rows, code
         self.index = None if over is None else arguments.values
         size = len(arguments.values)
@@ -77,10 +71,9 @@ class CompiledFamily:
     def hessian_entries(self, n: int) -> Entries:
         i, j = self.code.hessian_at.T
         a, b = self.columns[:, i], self.columns[:, j]
-        # Two arguments that read one variable: the cross derivative counts for (i, j) and for (j, i).
-        twice = (a == b) & (i != j)
+        factor = cross_factor(a, b, i != j)
         rows, cols = np.maximum(a, b), np.minimum(a, b)
-        return Entries(rows, cols, rows < n, n, np.where(twice, 2.0, 1.0) if twice.any() else None)
+        return Entries(rows, cols, rows < n, n, factor if (factor > 1).any() else None)
 
     def culprits(self, kind: str) -> list[tuple[str, int | None]]:
         """(component name, index) of what is not finite at the present arguments."""

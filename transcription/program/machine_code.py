@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 import symengine as se
@@ -59,7 +60,7 @@ def compile_family(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
     return _code[key]
 
 
-def _compile(outputs, n_variables, n_data, backend, seconds) -> Code:
+def _compile(outputs: Any, n_variables: int, n_data: int, backend: str, seconds: dict[str, float]) -> Code:
     with timing(seconds, "differentiate"):
         v, d, w = (
             [se.Symbol(f"{x}{i}") for i in range(k)]
@@ -73,12 +74,14 @@ def _compile(outputs, n_variables, n_data, backend, seconds) -> Code:
         hessian = [(i, j, e) for i, g in sorted(gradient.items()) for j, e in _derivatives(g, place) if j <= i]
     with timing(seconds, "compile"):
         options = {"backend": backend, "cse": True, **({"opt_level": OPT_LEVEL} if backend == "llvm" else {})}
-        functions = [
-            se.Lambdify(v + d + w, e, **options) if e else None
-            for e in (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])
-        ]
-    places = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
-    return Code(tuple(outputs), *functions, *places)
+
+        def function(expressions: list) -> Any:
+            return se.Lambdify(v + d + w, expressions, **options) if expressions else None
+
+        functions = [function(e) for e in (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])]
+    first, second = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
+    value, d_value, d2_value = functions
+    return Code(tuple(outputs), value, d_value, d2_value, first, second)
 
 
 def _derivatives(y: se.Basic, place: dict) -> list[tuple[int, se.Basic]]:
@@ -88,7 +91,7 @@ def _derivatives(y: se.Basic, place: dict) -> list[tuple[int, se.Basic]]:
 
 
 @contextmanager
-def timing(seconds: dict, part: str):
+def timing(seconds: dict, part: str) -> Any:
     start = time.perf_counter()
     try:
         yield

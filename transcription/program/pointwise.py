@@ -8,7 +8,7 @@ import numpy as np
 import pyomo.core as pyomo
 import symengine as se
 
-from .machine_code import available_backend, compile_family, timing
+from .machine_code import Code, available_backend, compile_family, timing
 from .symbolic import Arguments, Slots
 
 
@@ -19,23 +19,27 @@ class PointFunctions:
     Arrays of arguments have the variables first, then the data: shape (..., n_v + n_d).
     """
 
-    def __init__(self, functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str], seconds: dict):
+    def __init__(
+        self, functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str], seconds: dict
+    ) -> None:
         self.names, self.size = (*variables, *data), len(variables)
         with timing(seconds, "differentiate"):
             outputs = _translate(functions, variables, data)
         self.outputs = len(outputs)
-        self.code = outputs and compile_family(outputs, len(variables), len(data), available_backend(), seconds)
+        self.code: Code | None = None
+        if outputs:
+            self.code = compile_family(outputs, len(variables), len(data), available_backend(), seconds)
 
     def values(self, arguments: np.ndarray) -> np.ndarray:
         """y, shape (..., n_y)."""
-        if not self.outputs:
+        if not self.code:
             return np.zeros((*arguments.shape[:-1], 0))
         return self._call(self.code.value, arguments)
 
     def jacobian(self, arguments: np.ndarray) -> np.ndarray:
         """dy/dv, shape (..., n_y, n_v)."""
         out = np.zeros((*arguments.shape[:-1], self.outputs, self.size))
-        if self.outputs and self.code.jacobian:
+        if self.code and self.code.jacobian:
             o, j = self.code.jacobian_at.T
             out[..., o, j] = self._call(self.code.jacobian, arguments)
         return out
@@ -43,7 +47,7 @@ class PointFunctions:
     def hessian(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """The second derivatives of weights . y, with weights (..., n_y): shape (..., n_v, n_v)."""
         out = np.zeros((*arguments.shape[:-1], self.size, self.size))
-        if self.outputs and self.code.hessian:
+        if self.code and self.code.hessian:
             i, j = self.code.hessian_at.T
             out[..., i, j] = out[..., j, i] = self._call(self.code.hessian, arguments, weights)
         return out

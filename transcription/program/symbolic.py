@@ -34,14 +34,14 @@ EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers bey
 class Slots:
     """The vector of all numbers that templates read. `position` of a variable in z; `data`, what stands behind z."""
 
-    def __init__(self, variables: Sequence[VarData]):
+    def __init__(self, variables: Sequence[VarData]) -> None:
         self.n = len(variables)
         self.position = dict(zip(map(id, variables), range(self.n), strict=True))
         self.data: list[float] = []
         self._tables: dict[int, _Table] = {}
         self._single: dict[int, int] = {}
 
-    def single(self, leaf) -> int:
+    def single(self, leaf: Any) -> int:
         """The slot of one VarData or ParamData."""
         slot = self.position.get(id(leaf), self._single.get(id(leaf)))
         if slot is None:
@@ -50,7 +50,7 @@ class Slots:
             slot = self._single[id(leaf)] = self._append([value(leaf)])[0]
         return slot
 
-    def table(self, component) -> _Table:
+    def table(self, component: Any) -> _Table:
         """The slots of an indexed Var or Param."""
         if id(component) not in self._tables:
             is_variable = issubclass(component._ComponentDataClass, VarData)
@@ -58,12 +58,12 @@ class Slots:
             self._tables[id(component)] = _Table(component.name, *make(component))
         return self._tables[id(component)]
 
-    def _append(self, values) -> range:
+    def _append(self, values: Sequence[float]) -> range:
         start = self.n + len(self.data)
         self.data.extend(map(float, values))
         return range(start, self.n + len(self.data))
 
-    def _variable_slots(self, component):
+    def _variable_slots(self, component: Any) -> Any:
         keys, leaves = list(component.keys()), list(component.values())
         slots = np.array([self.position.get(i, -1) for i in map(id, leaves)], dtype=np.intp)
         for i in np.flatnonzero(slots < 0):
@@ -71,7 +71,7 @@ class Slots:
                 slots[i] = self.single(leaves[i])
         return keys, slots, None
 
-    def _parameter_slots(self, component):
+    def _parameter_slots(self, component: Any) -> Any:
         values = component.extract_values()
         return list(values), np.array(self._append(values.values()), dtype=np.intp), np.array(list(values.values()))
 
@@ -84,11 +84,11 @@ class _Table:
     is not compiled.
     """
 
-    def __init__(self, name: str, keys: list, slots: np.ndarray, values: np.ndarray | None):
+    def __init__(self, name: str, keys: list, slots: np.ndarray, values: np.ndarray | None) -> None:
         self.name, self.values = name, values
         positions = list(zip(*keys, strict=True)) if keys and isinstance(keys[0], tuple) else [keys]
         self.codes = [_codes(p) for p in positions]
-        flat = 0
+        flat = np.zeros(len(keys), np.intp)
         for (radix, code), position in zip(self.codes, positions, strict=True):
             if callable(code):
                 flat = flat * radix + np.fromiter(map(code, position), np.intp, len(keys))
@@ -99,7 +99,7 @@ class _Table:
         self.slots[flat], self.order[flat] = slots, np.arange(len(keys))
 
     def _flat(self, index: Sequence) -> Any:
-        flat = 0
+        flat: Any = 0
         for (radix, code), i in zip(self.codes, index, strict=True):
             k = code(i) if callable(code) else i - code
             if k is None or np.min(k) < 0 or np.max(k) >= radix:
@@ -135,7 +135,7 @@ class Arguments:
     data_slots: for each of them the (S,) slots it stands for.
     """
 
-    def __init__(self, slots: Slots, values: np.ndarray):
+    def __init__(self, slots: Slots, values: np.ndarray) -> None:
         self.slots, self.values = slots, values
         self.variables: list[se.Symbol] = []
         self.data: list[se.Symbol] = []
@@ -144,15 +144,15 @@ class Arguments:
         self._known: dict[Any, se.Symbol] = {}
         self._looked_up: dict[tuple, np.ndarray] = {}
 
-    def translate(self, expression, template: IndexTemplate | None) -> se.Basic:
+    def translate(self, expression: Any, template: IndexTemplate | None) -> se.Basic:
         """The SymEngine expression of a Pyomo one. Raises TemplateError for what has no exact second derivative."""
         return _Translation(self, template)(expression)
 
-    def numbers(self, expression, template: IndexTemplate | None) -> np.ndarray:
+    def numbers(self, expression: Any, template: IndexTemplate | None) -> np.ndarray:
         """Values (S,) of an expression in numbers, parameters and the template index: an index or a bound."""
         return np.broadcast_to(self._numbers(expression, template), self.values.shape)
 
-    def _numbers(self, e, template):
+    def _numbers(self, e: Any, template: Any) -> Any:
         if e.__class__ in native_types:
             return e
         if e is template:
@@ -168,7 +168,7 @@ class Arguments:
         parts = [self._numbers(a, template) for a in e.args]
         return _operation(e, parts, parts[0])
 
-    def _index(self, e, template):
+    def _index(self, e: Any, template: Any) -> Any:
         i = self._numbers(e, template)
         if isinstance(i, str):
             return i
@@ -177,7 +177,7 @@ class Arguments:
             raise TemplateError(f"the index {e} is not a whole number")
         return whole if whole.ndim else int(whole)
 
-    def leaf(self, e, template) -> se.Symbol:
+    def leaf(self, e: Any, template: Any) -> se.Symbol:
         """The symbol of a variable or parameter, indexed by the template or not."""
         indexed = isinstance(e, GetItemExpression)
         shape = _shape(e, template) if indexed else id(e)
@@ -202,7 +202,7 @@ class Arguments:
         return self._known[key]
 
 
-def _shape(e, template):
+def _shape(e: Any, template: Any) -> Any:
     """A key that is equal for equal index expressions, so that each is evaluated once a family."""
     if e.__class__ in native_types:
         return e
@@ -216,17 +216,18 @@ def _shape(e, template):
 
 
 class _Translation:
-    def __init__(self, arguments: Arguments, template: IndexTemplate | None):
-        self.arguments, self.template, self.memo = arguments, template, {}
+    def __init__(self, arguments: Arguments, template: IndexTemplate | None) -> None:
+        self.arguments, self.template = arguments, template
+        self.memo: dict[int, se.Basic] = {}
 
-    def __call__(self, e) -> se.Basic:
+    def __call__(self, e: Any) -> se.Basic:
         if e.__class__ in native_numeric_types:
             return number(e)
         if id(e) not in self.memo:
             self.memo[id(e)] = self.node(e)
         return self.memo[id(e)]
 
-    def node(self, e) -> se.Basic:
+    def node(self, e: Any) -> se.Basic:
         if isinstance(e, GetItemExpression) or not e.is_expression_type():
             if e.__class__ is IndexTemplate:
                 raise TemplateError("the index of a template stands outside the brackets of a variable or parameter")
@@ -239,13 +240,13 @@ class _Translation:
         return _real(_operation(e, parts, se.Integer(0)), parts)
 
 
-def _function(e) -> Callable:
+def _function(e: Any) -> Callable:
     if e.getname() not in SYMENGINE:
         raise TemplateError(f"the function {e.getname()} has no derivative here; known: {', '.join(SYMENGINE)}")
     return SYMENGINE[e.getname()]
 
 
-def _operation(e, parts: list, zero):
+def _operation(e: Any, parts: list, zero: Any) -> Any:
     """Apply the arithmetic of one Pyomo node to the values of its parts, numbers, arrays or SymEngine expressions."""
     if isinstance(e, ne.SumExpressionBase):
         return sum(parts[1:], parts[0]) if parts else zero

@@ -61,7 +61,7 @@ def templated() -> Iterator[None]:
             pyomo_constraint.TEMPLATIZE_CONSTRAINTS, pyomo_objective.TEMPLATIZE_OBJECTIVES = before
 
 
-def item(component, *index):
+def item(component: Any, *index: Any) -> Any:
     """component[index] of a Var or Param; where the index holds a placeholder, the node that Pyomo makes of it.
 
     Pyomo finds out the kind of node by walking over the component and the index, which took a third of the time that a
@@ -73,7 +73,7 @@ def item(component, *index):
     return node((component, *index))
 
 
-def template_of(component) -> tuple[Any, IndexTemplate | None]:
+def template_of(component: Any) -> tuple[Any, IndexTemplate | None]:
     """The one expression of a Constraint or Objective, and its index placeholder (None if it has no index).
 
     Raises TemplateError if the component is not a template.
@@ -90,7 +90,7 @@ def template_of(component) -> tuple[Any, IndexTemplate | None]:
     return expression, (indices[0] if indices else None)
 
 
-def linear_parts(e) -> list[tuple[TemplateSumExpression | None, list, Any]]:
+def linear_parts(e: Any) -> list[tuple[TemplateSumExpression | None, list, Any]]:
     """Split a body into terms (sum, factors, expression): body = sum of product(factors) * expression.
 
     A term with a sum runs over its Set; `factors` are Pyomo expressions or numbers without a sum in them.
@@ -99,17 +99,17 @@ def linear_parts(e) -> list[tuple[TemplateSumExpression | None, list, Any]]:
 
 
 class _Splitter:
-    def __init__(self):
+    def __init__(self) -> None:
         self.known: dict[int, bool] = {}
 
-    def has_sum(self, e) -> bool:
+    def has_sum(self, e: Any) -> bool:
         if e.__class__ in native_types or not e.is_expression_type() or isinstance(e, GetItemExpression):
             return False
         if id(e) not in self.known:
             self.known[id(e)] = isinstance(e, TemplateSumExpression) or any(map(self.has_sum, e.args))
         return self.known[id(e)]
 
-    def split(self, e) -> list:
+    def split(self, e: Any) -> list:
         if not self.has_sum(e):
             return [(None, [], e)]
         if isinstance(e, TemplateSumExpression):
@@ -125,7 +125,7 @@ class _Splitter:
             return self.scaled(1 / e.args[1], e.args[0])
         raise TemplateError(f"a sum over a Set stands in a nonlinear term: {e}")
 
-    def scaled(self, factor, e) -> list:
+    def scaled(self, factor: Any, e: Any) -> list:
         return [(total, [factor, *factors], x) for total, factors, x in self.split(e)]
 
 

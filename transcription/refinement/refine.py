@@ -33,7 +33,7 @@ import numpy as np
 from ...problems.problem import TOLERATED_EXCESS
 from ...problems.text import short_repr
 from ..schemes.mesh import Mesh
-from ..schemes.scheme import FiniteDifference, Scheme
+from ..schemes.segment import Segment
 from ..schemes.table import METHODS
 from ..solution.error import ErrorProfile
 from ..solution.trajectory import Trajectory
@@ -52,7 +52,7 @@ TARGET = 0.5  # of the tolerance: what the parts of a segment aim at, as their e
 MOST_PARTS = 4  # of a segment: its error tells no more of meshes much finer
 SAMPLES = 16  # of the density of parts on each segment
 
-Piece = tuple[float, Scheme]
+Piece = tuple[float, Segment]
 """Width and scheme of a segment of the next mesh."""
 
 
@@ -75,14 +75,14 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     if not len(segments.bad):
         return Refinement(trajectory.mesh, (), True)
     told = tuple(map(segments.told, segments.bad))
-    if isinstance(scheme := trajectory.mesh.schemes[0], FiniteDifference):  # it needs equal segments
+    if (scheme := trajectory.mesh.schemes[0]).equal:
         return Refinement(Mesh.of(scheme, 2 * trajectory.mesh.segments), told, segments.parts(segments.bad[0]) <= 2)
     near = segments.share > MARGIN
     pieces = [
         segments.refined(s) if near[s] else [segments.lowered(s) if merge else segments.same(s)]
         for s in range(trajectory.mesh.segments)
     ]
-    enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near))
+    enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near).tolist())
     _divide(pieces, segments)
     if merge:
         pieces = _merged(pieces, segments.needless)
@@ -143,7 +143,7 @@ class _Segments:
         """
         width, scheme = self.same(s)
         method = METHODS[scheme.name]
-        if not self.needless[s] or method.nodes is None or scheme.degree <= MIN_DEGREE:
+        if not self.needless[s] or scheme.degree is None or scheme.degree <= MIN_DEGREE:
             return width, scheme
         fewer = int(np.log10(MARGIN / max(self.share[s], 1e-16)) / max(self._decay(s), DECAY) / 2)
         return width, method.of_degree(max(scheme.degree - fewer, MIN_DEGREE))
@@ -177,11 +177,11 @@ class _Segments:
         kink = self.switches.kink(s)
         return kink.tau if kink and SLIVER < kink.tau < 1 - SLIVER else None
 
-    def _raised(self, s: int, ratio: float) -> Scheme | None:
+    def _raised(self, s: int, ratio: float) -> Segment | None:
         """The scheme with enough more points to reach the tolerance, where f is smooth and the method has a choice."""
         scheme = self.trajectory.mesh.schemes[s]
         method = METHODS[scheme.name]
-        if method.nodes is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
+        if scheme.degree is None or not 1 < ratio < np.inf or (decay := self._decay(s)) < DECAY:
             return None
         wanted = scheme.degree + int(np.ceil(np.log10(ratio) / decay))
         return method.of_degree(wanted) if wanted <= MAX_RAISED_DEGREE else None
@@ -223,10 +223,13 @@ def _divide(pieces: list[list[Piece]], segments: _Segments) -> None:
     knots that have come near to that place are not to leave it again.
     """
     mesh = segments.trajectory.mesh
-    alone = [METHODS[scheme.name].nodes is not None for scheme in mesh.schemes]
-    for (wanted, scheme, _), run in groupby(
-        range(mesh.segments), key=lambda s: (not pieces[s], mesh.schemes[s], alone[s] and s)
-    ):
+
+    def together(s: int) -> tuple[bool, Segment, int]:
+        """What neighbours that are divided together have in common; the last is of each segment that is alone."""
+        alone = METHODS[mesh.schemes[s].name].nodes is not None
+        return not pieces[s], mesh.schemes[s], s if alone else -1
+
+    for (wanted, scheme, _), run in groupby(range(mesh.segments), key=together):
         if wanted:
             numbers = list(run)
             widths = _spread(mesh.widths[numbers], np.array([segments.parts(s) for s in numbers]))

@@ -99,7 +99,7 @@ class Switches:
                 height = turn * crossing * (1 - crossing)
                 misfit = np.sqrt(np.mean((own - fit) ** 2))
                 if misfit < KINK_MISFIT * height:
-                    found.append(Switch(control.name, crossing, height / (np.ptp(u) or 1.0)))
+                    found.append(Switch(control.name, crossing, float(height / (np.ptp(u) or 1.0))))
         return max(found, key=lambda switch: switch.height, default=None)
 
 

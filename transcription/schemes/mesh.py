@@ -17,21 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from ...problems.text import short_repr
-from .table import FiniteDifference, Scheme
-
-
-@short_repr
-@dataclass(frozen=True, eq=False)
-class Group:
-    """The segments of one scheme: their numbers (G,), state nodes (G, d + 1), collocation points (G, n), slots (G, d +
-    1).
-    """
-
-    scheme: Scheme | FiniteDifference
-    segments: np.ndarray
-    nodes: np.ndarray
-    collocated: np.ndarray
-    slots: np.ndarray
+from .segment import Group, Segment
 
 
 @short_repr
@@ -39,10 +25,10 @@ class Group:
 class Mesh:
     """schemes: one for each segment. widths: (N,) positive, in any unit; they are scaled to a sum of 1."""
 
-    schemes: tuple[Scheme | FiniteDifference, ...]
+    schemes: tuple[Segment, ...]
     widths: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         widths = np.asarray(self.widths, float)
         if widths.ndim != 1 or not len(widths) or not (widths > 0).all():
             raise ValueError("the widths of a mesh are positive numbers, one for each segment")
@@ -51,7 +37,7 @@ class Mesh:
         object.__setattr__(self, "widths", widths / widths.sum())
 
     @classmethod
-    def of(cls, scheme: Scheme | FiniteDifference, segments: int | Sequence[float]) -> Mesh:
+    def of(cls, scheme: Segment, segments: int | Sequence[float]) -> Mesh:
         """One scheme everywhere, on that many equal segments or on segments of these widths."""
         widths = np.ones(segments) if isinstance(segments, int) else np.asarray(segments, float)
         return cls((scheme,) * len(widths), widths)
@@ -63,9 +49,9 @@ class Mesh:
     def coarsened(self, points: int) -> Mesh | None:
         """A mesh with about that many points in all, knots of this one between its segments.
 
-        None if schemes differ, or are of another kind than collocation.
+        None if schemes differ, or the method is none for a few long segments.
         """
-        if len(self.groups) > 1 or not isinstance(self.schemes[0], Scheme):
+        if len(self.groups) > 1 or not self.schemes[0].coarsens:
             return None
         segments = min(max(points // int(self.degrees[0]), 1), self.segments)
         kept = np.linspace(0, self.segments, segments + 1).round().astype(int)
@@ -147,9 +133,18 @@ class Mesh:
             np.add.at(weights, group.collocated, self.widths[group.segments, None] * group.scheme.b)
         return weights
 
-    def slot_weights(self) -> np.ndarray:
-        """The part of each point's quadrature weight that belongs to the segment of each slot, shape (K + N - 1,)."""
-        weights = np.zeros(len(self.slot_points))
+    @cached_property
+    def slot_parts(self) -> np.ndarray:
+        """The part of what a point contributes that belongs to the segment of each slot, shape (K + N - 1,).
+
+        That of its quadrature weight; where states are simulated a knot belongs to both its segments by halves.
+        """
+        parts = np.zeros(len(self.slot_points))
         for group in self.groups:
-            weights[group.slots[:, group.scheme.collocated]] = self.widths[group.segments, None] * group.scheme.b
-        return weights
+            nodes = group.slots[:, group.scheme.collocated]
+            parts[nodes] = self.widths[group.segments, None] * group.scheme.b
+        parts /= np.where(self.weights > 0, self.weights, 1.0)[self.slot_points]
+        for group in self.groups:
+            if group.scheme.simulated:
+                parts[group.slots] = 0.5
+        return parts

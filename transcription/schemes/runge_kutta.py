@@ -17,14 +17,16 @@ continuous, as its end nodes are shared.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar, cast
 
 import numpy as np
 
 from ...problems.text import short_repr
 from .polynomials import lagrange_basis
-from .scheme import Interpolant
+from .segment import Group, Interpolant, KindOfMethod, Points, Segment
 
 CONTROLS = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 0.5, 1.0)}
 """Name of a control polynomial -> its nodes on a substep."""
@@ -45,7 +47,7 @@ class Table:
     source: str
     controls: tuple[str, ...] = tuple(CONTROLS)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.A.shape != (len(self.b),) * 2 or np.triu(self.A).any():
             raise ValueError(f"{self.name}: A must be square and strictly lower triangular")
 
@@ -114,20 +116,41 @@ DORMAND_PRINCE = Table(
 TABLES = (HEUN, CLASSICAL, DORMAND_PRINCE)
 
 
+def shooting_scheme(segment: Segment) -> Shooting:
+    """A segment of a mesh whose kind of method is shooting, as the scheme that it is."""
+    return cast(Shooting, segment)
+
+
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Shooting:
     """A segment that is simulated: one row of the table of methods, for a number of substeps and a control polynomial.
 
-    The names that `scheme.Scheme` has too mean the same. Only the states at the ends of the segment are unknowns.
+    A `segment.Segment`, of which only the states at the ends are unknowns.
     """
 
     table: Table
     substeps: int
     control: str
-    family: str = "shooting, explicit Runge-Kutta"
-    eliminated: tuple[tuple[int, int], ...] = ()
-    degree: None = None
+
+    kind: ClassVar[KindOfMethod] = "shooting"
+    family: ClassVar[str] = "shooting, explicit Runge-Kutta"
+    rows: ClassVar[tuple[int, ...]] = (0,)
+    degree: ClassVar[int | None] = None
+    differential: ClassVar[bool] = False
+    equal: ClassVar[bool] = False
+    coarsens: ClassVar[bool] = False
+    has_costates: ClassVar[bool] = True
+    simulated: ClassVar[bool] = True
+
+    @property
+    def options(self) -> Mapping[str, int | str]:
+        return {"substeps": self.substeps, "control": self.control}
+
+    @property
+    def densities(self) -> bool:
+        """Not where controls stand in the middles only: the ends have no weight."""
+        return self.control != "constant"
 
     @property
     def name(self) -> str:
@@ -235,6 +258,30 @@ class Shooting:
         basis[np.arange(len(tau))[:, None], columns] = lagrange_basis(np.arange(count), tau * self.substeps - first)
         return basis
 
+    def complete(self, points: Points, group: Group) -> None:
+        """The states inside the segments, from those at their starts and the controls."""
+        phase, p = points.phase, points.parameters
+        A, b, c, middle = self.table.A, self.table.b, self.table.c, self.table.middle
+        u = points.u[:, group.collocated]
+        H = points.h[group.segments] / self.substeps
+        start = points.knots[group.segments]
+        x = points.x[:, group.nodes[:, 0]]
+        for i in range(self.substeps):
+            k = np.zeros((len(b), *x.shape))
+            for j in range(len(b)):
+                stage = x + H * np.tensordot(A[j, :j], k[:j], 1)
+                inputs = u[:, :, self.substep_nodes[i]] @ self.stage_basis[j]
+                k[j] = phase.dynamics(start + (i + c[j]) * H, stage, inputs, p)
+            if self.stride == 2:
+                points.x[:, group.nodes[:, 2 * i + 1]] = x + H * np.tensordot(middle, k, 1)
+            x = x + H * np.tensordot(b, k, 1)
+            if i < self.substeps - 1:
+                points.x[:, group.nodes[:, self.stride * (i + 1)]] = x
+
+    def defect_multipliers(self, costate: np.ndarray) -> np.ndarray:
+        """mu = -lambda at the end of the segment."""
+        return -costate[..., -1:]
+
     def _substep(self, tau: np.ndarray) -> np.ndarray:
         return np.clip(np.searchsorted(self.sigma[:: self.stride], tau, side="right") - 1, 0, self.substeps - 1)
 
@@ -246,26 +293,3 @@ def _hermite(values: np.ndarray, slopes: np.ndarray, theta: np.ndarray) -> tuple
     conditions = np.vstack([values[:, None] ** powers, powers * slopes[:, None] ** lowered])
     weights = [theta[:, None] ** powers, powers * theta[:, None] ** lowered] @ np.linalg.inv(conditions)
     return tuple(np.split(w, [len(values)], axis=1) for w in weights)
-
-
-def simulate(trajectory) -> None:
-    """Write the states inside the segments into trajectory.x, from those at their starts and the controls."""
-    phase, mesh, p = trajectory.phase, trajectory.mesh, trajectory.parameters
-    for group in mesh.groups:
-        scheme = group.scheme
-        A, b, c, middle = scheme.table.A, scheme.table.b, scheme.table.c, scheme.table.middle
-        u = trajectory.u[:, group.collocated]
-        H = trajectory.h[group.segments] / scheme.substeps
-        start = trajectory.knots[group.segments]
-        x = trajectory.x[:, group.nodes[:, 0]]
-        for i in range(scheme.substeps):
-            k = np.zeros((len(b), *x.shape))
-            for j in range(len(b)):
-                stage = x + H * np.tensordot(A[j, :j], k[:j], 1)
-                inputs = u[:, :, scheme.substep_nodes[i]] @ scheme.stage_basis[j]
-                k[j] = phase.dynamics(start + (i + c[j]) * H, stage, inputs, p)
-            if scheme.stride == 2:
-                trajectory.x[:, group.nodes[:, 2 * i + 1]] = x + H * np.tensordot(middle, k, 1)
-            x = x + H * np.tensordot(b, k, 1)
-            if i < scheme.substeps - 1:
-                trajectory.x[:, group.nodes[:, scheme.stride * (i + 1)]] = x

@@ -12,38 +12,34 @@ and everything else follows from the same nodes:
     x(tau)   = x_0 + h sum_j f_j (integral of l_j over [0, tau])         state interpolant
 
 where l_j are the Lagrange polynomials of c. So nothing is ever interpolated by another rule than the one that was
-solved. Methods that are no collocation schemes stand in the same table, with an interpolant of their own.
+solved. Methods that are no collocation schemes stand in the same table, with an interpolant of their own: what all of
+them say of a segment is the protocol `segment.Segment`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
+from .segment import Group, Interpolant, KindOfMethod, Points, Segment
 
 
-class Interpolant(NamedTuple):
-    """x(tau) = X x_i + h F f_j, dx/dt = dX x_i / h + dF f_j, u(tau) = U u_j at m values of tau.
-
-    X, dX: (m, d + 1) on the state nodes; F, dF, U: (m, n) on the collocation nodes.
-    """
-
-    X: np.ndarray
-    F: np.ndarray
-    dX: np.ndarray
-    dF: np.ndarray
-    U: np.ndarray
+def collocation_scheme(segment: Segment) -> Scheme:
+    """A segment of a mesh whose kind of method is collocation, as the scheme that it is."""
+    return cast(Scheme, segment)
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Scheme:
-    """One row of the table of methods, at one degree.
+    """One row of the table of methods, at one degree: a `segment.Segment`.
 
     name: as written in a problem file. order: of convergence of the state at the knots.
     sigma: (d + 1,) state nodes. c: (n,) collocation nodes. L: (d, d + 1) and R: (d, n), the defects.
@@ -65,7 +61,15 @@ class Scheme:
     differential: bool = False
     degree: int | None = None
 
-    def __post_init__(self):
+    kind: ClassVar[KindOfMethod] = "collocation"
+    options: ClassVar[Mapping[str, int | str]] = MappingProxyType({})
+    equal: ClassVar[bool] = False
+    coarsens: ClassVar[bool] = True
+    has_costates: ClassVar[bool] = True
+    densities: ClassVar[bool] = True
+    simulated: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
         d, n = len(self.sigma) - 1, len(self.c)
         if self.L.shape != (d, d + 1) or self.R.shape != (d, n):
             raise ValueError(f"{self.name}: L and R have shapes {self.L.shape} and {self.R.shape}")
@@ -123,7 +127,7 @@ class Scheme:
         counts = np.count_nonzero(self.R, axis=1)
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
 
-    def eliminate(self, node: int, row: int, x, f, h):
+    def eliminate(self, node: int, row: int, x: Any, f: Any, h: Any) -> Any:
         """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
         combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
         combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
@@ -140,32 +144,21 @@ class Scheme:
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1): one polynomial."""
         return lagrange_basis(self.sigma, tau)
 
+    def complete(self, points: Points, group: Group) -> None:
+        """The states that are eliminated, from the defects that define them."""
+        x = points.x
+        for node, row in self.eliminated:
+            f = points.phase.dynamics(points.times, x, points.u, points.parameters)
+            at_nodes, rates = [x[:, k] for k in group.nodes.T], [f[:, k] for k in group.collocated.T]
+            x[:, group.nodes[:, node]] = self.eliminate(node, row, at_nodes, rates, points.h[group.segments])
 
-@dataclass(frozen=True, eq=False)
-class FiniteDifference:
-    """Second-order central differences for positions; see `finite_difference` for its equations.
-
-    Between the points the state is the cubic Hermite polynomial of its values and slopes, the control is linear.
-    """
-
-    name: str = "finite-difference"
-    family: str = "differences, second order"
-    order: int = 2
-    sigma: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
-    c: np.ndarray = field(default_factory=lambda: np.array([0.0, 1.0]))
-    source: str = "An introduction to direct collocation, section 6, (40)-(42)"
-    collocated: tuple[int, ...] = (0, 1)
-    eliminated: tuple[tuple[int, int], ...] = ()
-    degree: None = None
-    error_order: int = 2
-    b: np.ndarray = field(default_factory=lambda: np.array([0.5, 0.5]))
-    state_interpolant: str = "3"
-    control_interpolant: str = "1"
-
-    def interpolant(self, tau: np.ndarray) -> Interpolant:
-        t = np.asarray(tau, float)
-        X = np.stack([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)], axis=1)
-        F = np.stack([t * (1 - t) ** 2, t**2 * (t - 1)], axis=1)
-        dX = np.stack([6 * t * (t - 1), 6 * t * (1 - t)], axis=1)
-        dF = np.stack([(1 - t) * (1 - 3 * t), t * (3 * t - 2)], axis=1)
-        return Interpolant(X, F, dX, dF, lagrange_basis(self.c, t))
+    def defect_multipliers(self, costate: np.ndarray) -> np.ndarray:
+        """In the least-squares sense, mu R = -b lambda at the collocation nodes; and, where an end of the segment is
+        none, so that its state stands in the left sides only, mu L = -lambda at the end and mu L = lambda at the start.
+        """
+        matrix, target = [self.R], [-self.b * costate[..., self.collocated]]
+        for node, sign in ((0, 1.0), (len(self.sigma) - 1, -1.0)):
+            if node not in self.collocated:
+                matrix.append(self.L[:, [node]])
+                target.append(sign * costate[..., [node]])
+        return np.concatenate(target, axis=-1) @ np.linalg.pinv(np.hstack(matrix)[list(self.rows)])

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,11 @@ from ...problems.errors import Mistake, SpecError
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from ..program.alone import LOCK
+from .finite_difference import FiniteDifference
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
-from .scheme import FiniteDifference, Scheme
+from .scheme import Scheme
+from .segment import Segment
 
 DEFAULT_DEGREE = 4
 DEFAULT_SUBSTEPS = 1
@@ -41,7 +44,7 @@ class Method:
     order: str
     source: str
     nodes: Callable[[int], np.ndarray] | None = None
-    scheme: Scheme | FiniteDifference | None = None
+    scheme: Segment | None = None
     table: Table | None = None
     note: str = ""
 
@@ -63,14 +66,14 @@ class Method:
             return self.scheme.control_interpolant
         return "n" if self.ends == "both" else "n - 1"
 
-    def of_degree(self, degree: int | None = None, form: str | None = None) -> Scheme | FiniteDifference:
+    def of_degree(self, degree: int | None = None, form: str | None = None) -> Segment:
         """The scheme; raises SpecError for a degree or a form that it does not have."""
         if self.table is not None and degree is None and form is None:
             return self.shooting()
-        if self.scheme is not None or self.table is not None:
-            if degree is not None or form is not None:
-                what = f"'{self.name}' has one degree and one form"
-                raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
+        if self.nodes is None and (degree is not None or form is not None):
+            what = f"'{self.name}' has one degree and one form"
+            raise SpecError(Mistake("mesh", what, "leave out degree: and form:, or take another method"))
+        if self.scheme is not None:
             return self.scheme
         degree = DEFAULT_DEGREE if degree is None else degree
         if not 1 <= degree <= MAX_DEGREE:
@@ -153,6 +156,7 @@ def _orthogonal(method: Method, degree: int, form: str) -> Scheme:
     Radau, (D.6)); for Lobatto points, whose state polynomial has one degree more than there are nodes to carry it,
     the rows are solved for f_1, f_2, ..., which leaves f_0 in each.
     """
+    assert method.nodes is not None
     c = method.nodes(degree)
     sigma = np.union1d(c, [0.0, 1.0])
     d, n = len(sigma) - 1, len(c)
@@ -198,7 +202,7 @@ TRAPEZOID = Scheme(
 )
 
 # Defect 1 is (4.4), the integral form of 3-point Lobatto with half of defect 0 taken off: fewer dynamics in it.
-_SIMPSON = {
+_SIMPSON: dict[str, Any] = {
     "sigma": np.array([0.0, 0.5, 1.0]), "c": np.array([0.0, 0.5, 1.0]),
     "L": np.array([[-1.0, 0.0, 1.0],
                    [-0.5, 1.0, -0.5]]),
@@ -220,7 +224,7 @@ FINITE_DIFFERENCE = FiniteDifference()
 _LEGENDRE = "Kelly 2017, section 9.7 and appendix D; Garg et al., Automatica 46, 2010"
 
 
-def _fixed(scheme: Scheme | FiniteDifference, ends: str) -> Method:
+def _fixed(scheme: Segment, ends: str) -> Method:
     return Method(scheme.name, scheme.family, ends, str(scheme.order), scheme.source, scheme=scheme)
 
 
@@ -228,7 +232,7 @@ def _simulated(table: Table) -> Method:
     return Method(table.name, "shooting", "-", str(table.order), table.source, table=table)
 
 
-def _low_order(name: str, nodes, ends: str, source: str) -> Method:
+def _low_order(name: str, nodes: Callable[[int], np.ndarray], ends: str, source: str) -> Method:
     """The lowest member of a family under its own name."""
     scheme = _orthogonal(Method(name, "one point", ends, "", source, nodes=nodes), 1, "integral")
     return _fixed(replace(scheme, family="one point", degree=None), ends)
@@ -265,7 +269,7 @@ def find(
     form: str | None = None,
     substeps: int | None = None,
     control: str | None = None,
-) -> Scheme | FiniteDifference | Shooting:
+) -> Segment:
     """The scheme of that name, degree, form or substeps, control; raises SpecError with the nearest names otherwise."""
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from ..layout import Layout
+from ..program.contract import cross_factor
 from ..program.pointwise import PointFunctions
+from ..schemes.segment import Group
 from .rows import PhaseRows, path_constraints
 from .simulation import STEP, Segments
 
@@ -18,7 +21,7 @@ class _Direct:
     columns: where each argument stands in z, -1 for what is fixed; `fixed` has its value then. rows: of each function.
     """
 
-    def __init__(self, functions: PointFunctions, columns: np.ndarray, fixed: np.ndarray, rows: np.ndarray):
+    def __init__(self, functions: PointFunctions, columns: np.ndarray, fixed: np.ndarray, rows: np.ndarray) -> None:
         self.functions, self.columns, self.fixed, self.rows = functions, columns, fixed, rows
         free = columns >= 0
         code = functions.code
@@ -26,8 +29,7 @@ class _Direct:
         a, b = code.hessian_at.T if code else np.zeros((2, 0), int)
         self.o, self.j = o[free[j]], j[free[j]]
         self.a, self.b = (i[free[a] & free[b]] for i in (a, b))
-        # Two arguments that are one unknown: the cross derivative counts for (a, b) and for (b, a).
-        self.factor = np.where((columns[self.a] == columns[self.b]) & (self.a != self.b), 2.0, 1.0)
+        self.factor = cross_factor(columns[self.a], columns[self.b], self.a != self.b)
 
     def move(self, z: np.ndarray) -> None:
         self.arguments = np.where(self.columns >= 0, z[self.columns], self.fixed)
@@ -47,7 +49,7 @@ class PhaseProgram:
 
     def __init__(
         self, layout: Layout, rows: PhaseRows, parameters: np.ndarray, names: list[str], seconds: dict, m: int
-    ):
+    ) -> None:
         phase, mesh = layout.phase, layout.mesh
         self.layout, self.rows, self.phase = layout, rows, phase
         self.n, self.has_cost = len(phase.states), int(phase.lagrange is not None)
@@ -56,7 +58,7 @@ class PhaseProgram:
         point = [v.name for v in (*phase.states, *phase.inputs)] + names
         free = (layout.t >= 0).any()
         split = ([*point, "t", STEP], []) if free else (point, ["t", STEP])
-        integrands = [phase.lagrange] * self.has_cost + [c.function for c in phase.integral]
+        integrands = [*([phase.lagrange] if phase.lagrange else []), *(c.function for c in phase.integral)]
         scaled = [_times_step(f) for f in [*(state.rate for state in phase.states), *integrands]]
         dynamics = PointFunctions(scaled, *split, seconds)
         path = PointFunctions([c.function for _, c in path_constraints(phase)], *split, seconds)
@@ -69,7 +71,7 @@ class PhaseProgram:
         self.final = self._final(path, parameters, rows.final)
         self.ends = self._ends(parameters, names, seconds, np.append(rows.boundary, m))
 
-    def _segment_columns(self, group, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _segment_columns(self, group: Group, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout, count = self.layout, len(group.segments)
         x = layout.x[:, group.nodes[:, 0]].T
         u = layout.u[:, group.collocated].transpose(1, 2, 0).reshape(count, -1)
@@ -87,7 +89,8 @@ class PhaseProgram:
     def _ends(self, parameters: np.ndarray, names: list[str], seconds: dict, rows: np.ndarray) -> _Direct:
         """The boundary constraints, the terminal objective last; inputs at the ends are those of the nodes nearest."""
         layout, phase, nodes = self.layout, self.phase, self.layout.mesh.collocated
-        variables, data = [], []
+        variables: list[tuple[str, int, float]] = []
+        data: list[tuple[str, int, float]] = []
         own = [v.name for v in (*phase.states, *phase.inputs)]
         for end, x, u in (("initial", 0, nodes[0]), ("final", -1, nodes[-1])):
             places = np.concatenate([layout.x[:, x], layout.u[:, u]]).tolist()
@@ -95,15 +98,17 @@ class PhaseProgram:
         variables += [(name, place, 0.0) for name, place in zip(names, parameters.tolist(), strict=True)]
         for end, place, value in zip(("initial", "final"), layout.t.tolist(), self.t_fixed, strict=True):
             (data if place < 0 else variables).append((f"t[{end}]", place, value))
-        functions = [c.function for c in phase.boundary] + [phase.mayer] * (phase.mayer is not None)
+        functions = [*(c.function for c in phase.boundary), *([phase.mayer] if phase.mayer else [])]
         compiled = PointFunctions(functions, [v[0] for v in variables], [v[0] for v in data], seconds)
         _, columns, fixed = zip(*variables, *data, strict=True)
         return _Direct(compiled, np.array(columns), np.array(fixed), rows[: len(functions)])
 
     def move(self, z: np.ndarray) -> None:
         self.z = z
-        for part in (*self.groups, self.final, self.ends):
-            part.move(z)
+        for group in self.groups:
+            group.move(z)
+        self.final.move(z)
+        self.ends.move(z)
 
     # -- values ----------------------------------------------------------------------------------------------------
 
@@ -226,13 +231,13 @@ class PhaseProgram:
 
 
 def _times_step(function: Callable) -> Callable:
-    def scaled(values: Mapping, functions):
+    def scaled(values: Mapping, functions: Any) -> Any:
         return values[STEP] * function(values, functions)
 
     return scaled
 
 
-def _block(rows: np.ndarray, columns: np.ndarray, mask) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _block(rows: np.ndarray, columns: np.ndarray, mask: np.ndarray | bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The places of derivatives of rows (G, ...) by all unknowns of their segments, columns (G, n_y)."""
     lifted = columns.reshape(len(columns), *[1] * (rows.ndim - 1), -1)
     shape = (*rows.shape, columns.shape[1])

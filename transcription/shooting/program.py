@@ -2,40 +2,19 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from functools import wraps
-
 import numpy as np
 
 from ...problems.problem import Range
 from ..engines.outcome import Outcome
-from ..program.family import NotFinite
+from ..program.contract import callback
 from .phase import PhaseProgram
 from .rows import Rows, ShootingTranscription
-
-
-def _callback(method: Callable) -> Callable:
-    name = method.__name__
-
-    @wraps(method)
-    def call(self, z, *args):
-        start = time.perf_counter()
-        try:
-            with np.errstate(all="ignore"):  # what is not finite is raised
-                self._move(z)
-                values = method(self, z, *args)
-            return self._checked(name, values)
-        finally:
-            self.seconds["evaluate"] += time.perf_counter() - start
-
-    return call
 
 
 class ShootingNLP:
     """The callbacks, numbers and names of `compiler.CompiledNLP`, for a transcription by shooting."""
 
-    def __init__(self, transcription: ShootingTranscription):
+    def __init__(self, transcription: ShootingTranscription) -> None:
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.sense = len(transcription.variables), transcription.problem.sense
         self._components: list[Rows] = [family.component for family in transcription.families]
@@ -62,18 +41,14 @@ class ShootingNLP:
         component = next(c for c in self._components if (c.rows == row).any())
         return component.name, int(np.flatnonzero(component.rows == row)[0]) if component.rows.size > 1 else None
 
-    def _move(self, z: np.ndarray) -> None:
+    def move(self, z: np.ndarray) -> None:
         if not np.array_equal(z, self._z):
             self._z = np.array(z)
             for phase in self._phases:
                 phase.move(self._z)
 
-    def _checked(self, kind: str, values):
-        if not np.isfinite(values).all():
-            raise NotFinite(kind, self._culprits(kind, values))
-        return values
-
-    def _culprits(self, kind: str, values) -> list[tuple[str, int | None]]:
+    def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
+        """What is not finite in a callback: (name, index) each."""
         if kind == "constraints":
             return [self.row_name(row) for row in np.flatnonzero(~np.isfinite(values))[:10].tolist()]
         return [
@@ -83,24 +58,24 @@ class ShootingNLP:
             for segment in group.segments[~np.isfinite(s.x).all(axis=(1, 2))].tolist()
         ] or [("the " + kind, None)]
 
-    @_callback
+    @callback
     def objective(self, z: np.ndarray) -> float:
         """f(z)."""
         return self.sense * sum(phase.cost() for phase in self._phases)
 
-    @_callback
+    @callback
     def gradient(self, z: np.ndarray) -> np.ndarray:
         """df/dz, shape (n,)."""
-        return self.sense * sum(phase.gradient(self.n + 1) for phase in self._phases)[: self.n]
+        return self.sense * np.sum([phase.gradient(self.n + 1) for phase in self._phases], axis=0)[: self.n]
 
-    @_callback
+    @callback
     def constraints(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,)."""
         return self.constraints_unchecked(z)
 
     def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,), with NaN and infinity where it is not finite."""
-        self._move(z)
+        self.move(z)
         g = np.empty(self.m)
         for phase in self._phases:
             phase.constraints(g)
@@ -110,7 +85,7 @@ class ShootingNLP:
         """Rows and columns of the nonzeros of dg/dz; those that stand twice are added."""
         return self._jacobian.rows, self._jacobian.columns
 
-    @_callback
+    @callback
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """The nonzeros of dg/dz, in the order of jacobianstructure()."""
         return self._jacobian.gather([block for phase in self._phases for block in phase.jacobian_blocks()])
@@ -119,7 +94,7 @@ class ShootingNLP:
         """Rows and columns (row >= column) of the nonzeros of the Hessian; those that stand twice are added."""
         return self._hessian.rows, self._hessian.columns
 
-    @_callback
+    @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
         """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
         weight = self.sense * sigma
@@ -127,19 +102,19 @@ class ShootingNLP:
 
     def costates(self, outcome: Outcome) -> list[np.ndarray]:
         """lambda of each phase at the slots of its mesh, shape (n_x, K + N - 1), in objective per unit of state."""
-        self._move(outcome.z)
+        self.move(outcome.z)
         return [self.sense * phase.costate(outcome.y, self.sense) for phase in self._phases]
 
     def integrals(self, z: np.ndarray) -> list[np.ndarray]:
         """The objective's integral and the constrained ones on each segment, for each phase: shape (integrals, N)."""
-        self._move(z)
+        self.move(z)
         return [phase.integrals() for phase in self._phases]
 
 
 class _Places:
     """Where the entries of blocks of derivatives stand, without those that are none."""
 
-    def __init__(self, blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]]):
+    def __init__(self, blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
         none = np.zeros(0, int)
         self.kept = [mask.ravel() for *_, mask in blocks]
         self.rows = np.concatenate([none, *(rows.ravel()[k] for (rows, *_), k in zip(blocks, self.kept, strict=True))])

@@ -16,18 +16,20 @@ times and the parameters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...problems.errors import Mistake
-from ...problems.problem import Constraint, Phase, Problem, Range
+from ...problems.errors import Mistake, SpecError
+from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
-from ..layout import Family, Layout, Transcription
+from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
+from ..layout import Family, Layout, Transcription, places
 from ..schemes.mesh import Mesh
+from ..schemes.runge_kutta import shooting_scheme
 from .simulation import held
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns
@@ -73,13 +75,21 @@ class ShootingTranscription(Transcription):
     rows: tuple[PhaseRows, ...] = ()
 
 
-def transcribe(problem: Problem, meshes: Sequence[Mesh], guess: Sequence) -> ShootingTranscription:
-    """Transcribe a problem on one mesh for each of its phases, all of shooting schemes; guess as in `transcribe`."""
+def by_shooting(
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool = True
+) -> ShootingTranscription:
+    """The program of shooting methods, as `transcribe.transcribe`.
+
+    Raises SpecError without templates: there is no model to expand.
+    """
+    if not templates:
+        what = "a simulation has no equations to write down, so a shooting method cannot be exported"
+        raise SpecError(Mistake("mesh", what, "export with another method, as --method hermite-simpson"))
     variables, phases, rows, families = [], [], [], []
 
     def place(bounds: Range, value: float) -> int:
-        finite = tuple(b if isfinite(b) else None for b in (bounds.lower, bounds.upper))
-        variables.append(Unknown(float(value), finite))
+        lower, upper = (b if isfinite(b) else None for b in (bounds.lower, bounds.upper))
+        variables.append(Unknown(float(value), (lower, upper)))
         return len(variables) - 1
 
     for phase, mesh, start in zip(problem.phases, meshes, guess, strict=True):
@@ -96,17 +106,17 @@ def transcribe(problem: Problem, meshes: Sequence[Mesh], guess: Sequence) -> Sho
     )
 
 
-def path_constraints(phase: Phase) -> list[tuple[str, Constraint]]:
+def path_constraints(phase: Phase) -> list[tuple[ConstraintKind, Constraint]]:
     """(kind, constraint) of all that holds over time."""
-    return [("residual", c) for c in phase.residuals] + [("path", c) for c in phase.path]
+    return [(RESIDUAL, c) for c in phase.residuals] + [(PATH, c) for c in phase.path]
 
 
-def refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
+def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
     """Why a phase cannot be simulated on a mesh."""
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:
-        scheme = group.scheme
+        scheme = shooting_scheme(group.scheme)
         if phase.algebraic and scheme.control == "constant":
             name = phase.algebraic[0].name
             what = f"constant controls on substeps cannot follow algebraic variables such as '{name}'"
@@ -119,32 +129,32 @@ def refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
             yield Mistake("mesh", what, "use more segments of fewer substeps each")
 
 
-def _lay_out(phase: Phase, mesh: Mesh, guess, place) -> Layout:
+def _lay_out(phase: Phase, mesh: Mesh, guess: Curves, place: Callable[[Range, float], int]) -> Layout:
     """Number the unknowns of one phase, with their values from the guess."""
-    x = np.full((len(phase.states), len(mesh.fractions)), -1)
-    u = np.full((len(phase.inputs), len(mesh.fractions)), -1)
     knots, nodes = set(mesh.knots.tolist()), set(mesh.collocated.tolist())
-    curves = guess.samples(mesh.fractions)
-    states = [curves[state.name].tolist() for state in phase.states]
-    inputs = [curves[variable.name].tolist() for variable in phase.inputs]
-    last = len(mesh.fractions) - 1
-    for k in range(last + 1):
-        if k in knots:
-            for i, state in enumerate(phase.states):
-                bounds = {0: state.initial, last: state.final}.get(k, state.bounds)
-                x[i, k] = place(bounds, states[i][k])
-        if k in nodes:
-            for i, variable in enumerate(phase.inputs):
-                u[i, k] = place(variable.bounds, inputs[i][k])
+    curves, last = guess.samples(mesh.fractions), len(mesh.fractions) - 1
     times = ((phase.initial_time, guess.initial_time), (phase.final_time, guess.final_time))
-    t = np.array([-1 if bounds.fixed else place(bounds, value) for bounds, value in times])
-    return Layout(phase, mesh, x, u, t, {}, 0)
+
+    def state(i: int, k: int) -> int:
+        own = phase.states[i]
+        bounds = {0: own.initial, last: own.final}.get(k, own.bounds)
+        return place(bounds, curves[own.name][k]) if k in knots else -1
+
+    def own_input(i: int, k: int) -> int:
+        variable = phase.inputs[i]
+        return place(variable.bounds, curves[variable.name][k]) if k in nodes else -1
+
+    def time(end: int) -> int:
+        bounds, value = times[end]
+        return -1 if bounds.fixed else place(bounds, value)
+
+    return Layout(phase, mesh, *places(phase, mesh, state, own_input, time))
 
 
 class _RowBuilder:
     """Numbers the rows of one phase and tells what they are."""
 
-    def __init__(self, phase: Phase, mesh: Mesh, first: int):
+    def __init__(self, phase: Phase, mesh: Mesh, first: int) -> None:
         self.phase, self.mesh, self.next = phase, mesh, first
         self.families: list[Family] = []
         self.bounded = [i for i, state in enumerate(phase.states) if state.bounds != Range()]
@@ -154,38 +164,48 @@ class _RowBuilder:
         phase, groups = self.phase, self.mesh.groups
         over_time = path_constraints(phase)
         defects = [self._take(len(g.segments), len(phase.states)) for g in groups]
-        inside = [g.nodes[:, held(g.scheme)] for g in groups]
+        inside = [g.nodes[:, held(shooting_scheme(g.scheme))] for g in groups]
         path = [self._take(*points.shape, len(over_time)) for points in inside]
         bounds = [self._take(len(points), points.shape[1] - 1, len(self.bounded)) for points in inside]
         ends = [self._take(len(c)) for c in (over_time, phase.boundary, phase.integral)]
         for number, (group, rows) in enumerate(zip(groups, defects, strict=True)):
             span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
             for i, state in enumerate(phase.states):
-                self._add(rows[:, i], "defect", state.name, Range(0.0, 0.0), span, group=number)
+                self._add(rows[:, i], DEFECT, state.name, Range(0.0, 0.0), span, group=number)
         for points, g, x in zip(inside, path, bounds, strict=True):
             for i, (kind, constraint) in enumerate(over_time):
                 self._at(points, g[..., i], kind, constraint.name, constraint.bounds)
             for j, i in enumerate(self.bounded):
-                self._at(points[:, 1:], x[..., j], "bound", phase.states[i].name, phase.states[i].bounds)
+                self._at(points[:, 1:], x[..., j], BOUND, phase.states[i].name, phase.states[i].bounds)
         for i, (kind, constraint) in enumerate(over_time):
             self._at(self.mesh.knots[-1:], ends[0][[i]], kind, constraint.name, constraint.bounds)
         for kind, constraints, rows in zip(
-            ("boundary", "integral"), (phase.boundary, phase.integral), ends[1:], strict=True
+            (BOUNDARY, INTEGRAL), (phase.boundary, phase.integral), ends[1:], strict=True
         ):
             for i, constraint in enumerate(constraints):
                 self._add(rows[[i]], kind, constraint.name, constraint.bounds, (0.0, 1.0))
-        return PhaseRows(defects, path, bounds, *ends, self.bounded)
+        final, boundary, integral = ends
+        return PhaseRows(defects, path, bounds, final, boundary, integral, self.bounded)
 
     def _take(self, *shape: int) -> np.ndarray:
         rows = self.next + np.arange(prod(shape)).reshape(shape)
         self.next += rows.size
         return rows
 
-    def _at(self, points: np.ndarray, rows: np.ndarray, kind: str, name: str, bounds: Range) -> None:
+    def _at(self, points: np.ndarray, rows: np.ndarray, kind: ConstraintKind, name: str, bounds: Range) -> None:
         times = self.mesh.fractions[points.ravel()]
         self._add(rows.ravel(), kind, name, bounds, (times, times), self.weights[points.ravel()])
 
-    def _add(self, rows: np.ndarray, kind: str, name: str, bounds: Range, span, weights=1.0, group: int = 0) -> None:
+    def _add(
+        self,
+        rows: np.ndarray,
+        kind: ConstraintKind,
+        name: str,
+        bounds: Range,
+        span: Any,
+        weights: np.ndarray | float = 1.0,
+        group: int = 0,
+    ) -> None:
         if rows.size:
             span = np.atleast_2d(np.transpose(span))
             component = Rows(f"{kind} {name}", rows, bounds)
@@ -197,13 +217,14 @@ def _point_weights(mesh: Mesh) -> np.ndarray:
     """Composite quadrature weights of the points at which path constraints hold, shape (K,)."""
     weights = np.zeros(len(mesh.fractions))
     for group in mesh.groups:
-        local = [1 / 6, 4 / 6, 1 / 6] if group.scheme.control == "quadratic" else [1 / 2, 1 / 2]
-        points = np.append(held(group.scheme), len(group.scheme.sigma) - 1)
+        scheme = shooting_scheme(group.scheme)
+        local = [1 / 6, 4 / 6, 1 / 6] if scheme.control == "quadratic" else [1 / 2, 1 / 2]
+        points = np.append(held(scheme), len(scheme.sigma) - 1)
         for w, first in zip(local, range(len(local)), strict=True):
-            at = group.nodes[:, points[first :: len(local) - 1]][:, : group.scheme.substeps]
+            at = group.nodes[:, points[first :: len(local) - 1]][:, : scheme.substeps]
             weights += w * np.bincount(
                 at.ravel(),
-                np.repeat(mesh.widths[group.segments] / group.scheme.substeps, group.scheme.substeps),
+                np.repeat(mesh.widths[group.segments] / scheme.substeps, scheme.substeps),
                 len(weights),
             )
     return weights

@@ -18,12 +18,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..program.pointwise import PointFunctions
-from ..schemes.mesh import Group, Mesh
-from ..schemes.runge_kutta import Shooting
+from ..schemes.mesh import Mesh
+from ..schemes.runge_kutta import Shooting, shooting_scheme
+from ..schemes.segment import Group
 
 STEP = "[step]"
 """The name of H among the arguments: no name that a file can declare."""
@@ -39,8 +41,8 @@ class Segments:
     """
 
     def __init__(self, mesh: Mesh, group: Group, sizes: tuple[int, int, int], *, columns: np.ndarray, fixed: np.ndarray,
-                 dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int]):  # fmt: skip
-        self.scheme: Shooting = group.scheme
+                 dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int]) -> None:  # fmt: skip
+        self.scheme = shooting_scheme(group.scheme)
         self.columns, self.fixed, self.dynamics, self.path = columns, fixed, dynamics, path
         self.n, self.n_u, self.n_p = sizes
         self.bounded = np.array(bounded, int)
@@ -199,10 +201,10 @@ def held(scheme: Shooting) -> np.ndarray:
     return np.arange(0, len(scheme.sigma) - 1, 2 if scheme.control == "constant" else 1)
 
 
-def _mix(weights: np.ndarray, k: np.ndarray, axis: int = 1):
+def _mix(weights: np.ndarray, k: np.ndarray, axis: int = 1) -> Any:
     """sum_j weights[j] k[..., j, ...] over one axis. Most weights of a table are zero, and most arrays are small."""
-    before = (slice(None),) * axis
-    return sum(float(w) * k[*before, j] for j, w in enumerate(weights) if w)
+    along = np.moveaxis(k, axis, 0)
+    return sum(float(w) * along[j] for j, w in enumerate(weights) if w)
 
 
 def _congruence(V: np.ndarray, M: np.ndarray) -> np.ndarray:

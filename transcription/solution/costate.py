@@ -19,35 +19,23 @@ written.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
 
+from ..constraint_kinds import DEFECT
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
 from ..program.compiler import CompiledNLP
-from ..schemes.scheme import FiniteDifference
-from .end_masses import without_end_masses
-from .trajectory import Trajectory
+from ..program.contract import NonlinearProgram
+from ..schemes.scheme import collocation_scheme
 
 
-def with_costates(
-    transcription: Transcription, nlp: CompiledNLP, outcome: Outcome, trajectories: Sequence[Trajectory]
-) -> tuple[Trajectory, ...]:
-    """The trajectories with lambda, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
+def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
+    """lambda of each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
 
-    Shooting has them from the same definition, by the adjoint of its simulation; finite differences have none.
+    outcome: with multipliers over time without those that act at the ends only, see `end_masses`.
     """
-    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
-        return tuple(trajectories)
-    outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome.y))
-    if transcription.model is None:
-        costates = nlp.costates(outcome)
-    else:
-        sense = transcription.problem.sense
-        costates = [sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
-    return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, costates, strict=True))
+    sense = transcription.problem.sense
+    return [sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
 
 
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:
@@ -55,7 +43,7 @@ def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, out
     costate = np.full((len(layout.phase.states), len(mesh.slot_points)), np.nan)
     for number, group in enumerate(mesh.groups):
         mu = _defect_multipliers(layout, number, transcription, nlp, outcome)
-        scheme = group.scheme
+        scheme = collocation_scheme(group.scheme)
         inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < len(scheme.sigma) - 1]
         slots = group.slots[:, [scheme.collocated[j] for j in inner]]
         costate[:, slots] = -(mu @ scheme.R[:, inner]) / scheme.b[inner]  # (1)
@@ -64,12 +52,14 @@ def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, out
     return costate
 
 
-def _defect_multipliers(layout: Layout, number: int, transcription, nlp, outcome) -> np.ndarray:
+def _defect_multipliers(
+    layout: Layout, number: int, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
+) -> np.ndarray:
     """mu of one group of segments, shape (n_x, G, d); 0 for the rows that define an eliminated state."""
     group, names = layout.mesh.groups[number], [state.name for state in layout.phase.states]
-    mu = np.zeros((len(names), len(group.segments), len(group.scheme.L)))
+    mu = np.zeros((len(names), len(group.segments), len(collocation_scheme(group.scheme).L)))
     for family in transcription.families:
-        if (family.kind, family.phase, family.group) == ("defect", layout.phase.name, number):
+        if (family.kind, family.phase, family.group) == (DEFECT, layout.phase.name, number):
             y = outcome.y[family.rows(nlp)]
             rows = [family.row] if isinstance(family.row, int) else list(family.row)
             mu[names.index(family.name)][:, rows] = y.reshape(len(group.segments), len(rows))
@@ -80,15 +70,13 @@ def _knot_gradients(layout: Layout, nlp: CompiledNLP, outcome: Outcome) -> tuple
     """d L_s / d x at the first and at the last node of every segment, two arrays (n_x, N)."""
     mesh = layout.mesh
     start, end = np.zeros((2, len(layout.x), mesh.segments))
-    # At a knot, the terms of a point belong to either segment by their parts of its quadrature weight.
-    parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
-    left, right = parts[mesh.offset], parts[mesh.offset + mesh.degrees]
+    left, right = mesh.slot_parts[mesh.offset], mesh.slot_parts[mesh.offset + mesh.degrees]
     for over, index, columns, terms in nlp.lagrangian_terms(outcome.z, outcome.y):
-        if (owners := layout.owners.get(id(over))) is not None:
+        if (owners := layout.owners.get(over)) is not None:
             for i, x in enumerate(layout.x):
                 start[i] += _per_segment(columns == x[mesh.knots[owners], None], terms, owners, mesh.segments)
                 end[i] += _per_segment(columns == x[mesh.knots[owners + 1], None], terms, owners, mesh.segments)
-        elif id(over) == layout.explicit:
+        elif over is not None and over == layout.explicit:
             for i, x in enumerate(layout.x):
                 at_point = np.zeros(layout.x.shape[1])
                 at_point[index] = np.where(columns == x[index, None], terms, 0.0).sum(axis=1)

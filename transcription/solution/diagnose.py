@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
 
 import numpy as np
 import symengine as se
 
-from ...problems.problem import Phase, Variable
+from ...problems.problem import Function, Phase, Variable
 from ...problems.text import shorten
+from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..engines.outcome import Outcome, Status
 from ..layout import Family, Layout, Transcription
-from ..program.compiler import CompiledNLP
+from ..program.contract import NonlinearProgram
 from .trajectory import Trajectory, trajectories
 
 LISTED = 6
@@ -24,30 +24,20 @@ RUNAWAY = 1e10  # no unit makes an honest state or control as large
 BROKEN = (Status.INVALID_NUMBER, Status.STEP_FAILED, Status.RESTORATION_FAILED, Status.STALLED, Status.FAILED)
 """Statuses that a function without a finite value explains, if there was one at the end."""
 
-KINDS = {
-    "defect": "the dynamics of {}",
-    "residual": "residual '{}'",
-    "path": "path constraint '{}'",
-    "path end": "path constraint '{}'",
-    "bound": "the bounds of {}",
-    "boundary": "boundary constraint '{}'",
-    "integral": "integral constraint '{}'",
-}
-
 
 @dataclass(frozen=True)
 class Violation:
     """A constraint that an iterate violates by `amount`, between the times `start` and `end`."""
 
     phase: str
-    kind: str
+    kind: ConstraintKind
     name: str
     start: float
     end: float
     amount: float
 
     def __str__(self) -> str:
-        when = "" if self.kind in ("boundary", "integral") else _when(self.start, self.end)
+        when = _when(self.start, self.end) if self.kind.timed else ""
         return f"{_what(self.phase, self.kind, self.name)}{when} missed by {self.amount:.2e}"
 
 
@@ -55,7 +45,9 @@ NEVER_RAN = (Status.INVALID_OPTION, Status.INVALID_PROBLEM, Status.NO_MEMORY)
 """What the guess violates is no reason for these."""
 
 
-def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> tuple[tuple[Violation, ...], str]:
+def diagnose(
+    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
+) -> tuple[tuple[Violation, ...], str]:
     """The constraints that the last iterate violates, worst first, and what explains the failure, or ""."""
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), ""
@@ -71,7 +63,7 @@ def diagnose(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -
     return found, _runaway(transcription, outcome)
 
 
-def violations(transcription: Transcription, nlp: CompiledNLP, z: np.ndarray) -> list[Violation]:
+def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) -> list[Violation]:
     """The largest violation of each constraint at z, shape (n,), worst first; without those that do not matter."""
     g = nlp.constraints_unchecked(z)
     excess = np.maximum(np.maximum(nlp.cl - g, g - nlp.cu), 0.0)
@@ -101,15 +93,15 @@ def _when(start: float, end: float) -> str:
     return f" at t = {start:.6g}" if start == end else f" between t = {start:.6g} and {end:.6g}"
 
 
-def _what(phase: str, kind: str, name: str) -> str:
+def _what(phase: str, kind: ConstraintKind, name: str) -> str:
     """A constraint by its name; the phase is told where the file has phases."""
-    return KINDS[kind].format(name) + ("" if phase == "main" else f" of phase {phase}")
+    return kind.phrase.format(name) + ("" if phase == "main" else f" of phase {phase}")
 
 
 # -- constraints that contradict each other ------------------------------------------------------------------------
 
 
-def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> str:
+def _conflict(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> str:
     """Which constraints stand in each other's way at a point of least infeasibility.
 
     There IPOPT's multipliers are those of its restoration phase, which minimises the sum of all violations: zero for
@@ -126,17 +118,24 @@ def _conflict(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) 
     return f"these cannot all hold: {', '.join([*parts[:LISTED], *more])}"
 
 
-def _constraints_in_conflict(transcription, nlp: CompiledNLP, outcome: Outcome, phases, *, limit) -> Iterator[str]:
-    def of(family: Family) -> tuple:
-        return family.phase, family.kind, family.name
-
-    own = [f for f in transcription.families if f.kind not in ("defect", "residual")]
-    for key, same in groupby(sorted(own, key=of), of):
+def _constraints_in_conflict(
+    transcription: Transcription,
+    nlp: NonlinearProgram,
+    outcome: Outcome,
+    phases: Mapping[str, Trajectory],
+    *,
+    limit: float,
+) -> Iterator[str]:
+    constraints: dict[tuple[str, ConstraintKind, str], list[Family]] = {}
+    for family in transcription.families:
+        if not family.kind.model:
+            constraints.setdefault((family.phase, family.kind, family.name), []).append(family)
+    for key, same in constraints.items():
         acting = [f.span[np.abs(outcome.y[f.rows(nlp)]) / f.weights > limit] for f in same]
         s = np.concatenate(acting).ravel()
         if len(s):
-            over_time = key[1] in ("path", "path end", "bound")
-            yield _what(*key) + (_when(*_times(phases[key[0]], np.array([s.min(), s.max()]))) if over_time else "")
+            phase, kind, _ = key
+            yield _what(*key) + (_when(*_times(phases[phase], np.array([s.min(), s.max()]))) if kind.timed else "")
 
 
 def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory, limit: float) -> Iterator[str]:
@@ -156,7 +155,7 @@ def _bounds_in_conflict(layout: Layout, outcome: Outcome, trajectory: Trajectory
     yield from ends
 
 
-def _count(transcription: Transcription, nlp: CompiledNLP) -> str:
+def _count(transcription: Transcription, nlp: NonlinearProgram) -> str:
     """How many equalities there are, of which kind, and how many unknowns."""
     ranges = [variable.bounds for variable in transcription.variables]
     free = sum(lower is None or lower != upper for lower, upper in ranges)
@@ -203,13 +202,13 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
     return f"a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
 
 
-def _value_fault(function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
+def _value_fault(function: Function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
     return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
 
 
-def _derivative_fault(function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
+def _derivative_fault(function: Function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
     """The same for its first or second derivatives, which IPOPT needs as well."""
     symbols = {name: se.Symbol(name) for name in values}
     expression = se.sympify(function(symbols, se))
@@ -251,11 +250,11 @@ def _functions(phase: Phase) -> Iterator[tuple]:
     yield from ((f"rate of {state.name}", state.rate, False) for state in phase.states)
     if phase.lagrange:
         yield "integral objective", phase.lagrange, False
-    for kind, constraints in (("residual", phase.residuals), ("path", phase.path), ("integral", phase.integral)):
+    for kind, constraints in ((RESIDUAL, phase.residuals), (PATH, phase.path), (INTEGRAL, phase.integral)):
         yield from ((_what(phase.name, kind, c.name), c.function, False) for c in constraints)
     if phase.mayer:
         yield "terminal objective", phase.mayer, True
-    yield from ((_what(phase.name, "boundary", c.name), c.function, True) for c in phase.boundary)
+    yield from ((_what(phase.name, BOUNDARY, c.name), c.function, True) for c in phase.boundary)
 
 
 def _point_values(trajectory: Trajectory) -> dict:

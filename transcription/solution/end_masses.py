@@ -13,6 +13,7 @@ import numpy as np
 
 from ...problems.probe import depends_on
 from ...problems.problem import Phase
+from ..constraint_kinds import PATH
 from ..layout import Family, Transcription
 
 
@@ -26,7 +27,7 @@ def without_end_masses(transcription: Transcription, nlp: Any, y: np.ndarray) ->
         for constraint in phase.path:
             if depends_on(constraint.function, inputs_of(phase)):
                 continue
-            own = (phase.name, "path", constraint.name)
+            own = (phase.name, PATH, constraint.name)
             same = [f for f in transcription.families if (f.phase, f.kind, f.name) == own]
             if same:
                 _cut(cut, *(np.concatenate(part) for part in zip(*(_points(f, nlp) for f in same), strict=True)))

@@ -17,9 +17,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.problem import Function, Range
 from ...problems.text import short_repr
-from ..schemes.scheme import FiniteDifference
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory
 
@@ -136,7 +135,7 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     for group in mesh.groups:
-        if isinstance(group.scheme, FiniteDifference):  # its sum over the points is no quadrature of segments
+        if group.scheme.quadrature is None:
             continue
         width = np.diff(group.scheme.sigma)[:, None]
         tau = (group.scheme.sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
@@ -184,7 +183,7 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
         yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), float(np.ptp(g)))
 
 
-def _values(trajectory: Trajectory, function, sample: Sample) -> np.ndarray:
+def _values(trajectory: Trajectory, function: Function, sample: Sample) -> np.ndarray:
     values = trajectory.phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     return np.broadcast_to(function(values, np), sample.t.shape)
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,7 @@ def minimise(function: Values, u: np.ndarray, bounds: np.ndarray, constrained: C
     lower, upper = bounds[0][:, None] / size, bounds[1][:, None] / size
     start = np.clip(u / size, lower, upper)
 
-    def scaled(v, samples):
+    def scaled(v: np.ndarray, samples: np.ndarray) -> Any:
         return function(v * size[:, None], samples)
 
     if constrained is None:
@@ -86,7 +87,7 @@ def _sizes(u: np.ndarray, bounds: np.ndarray) -> np.ndarray:
 
 
 def _newton(
-    function: Values, v: np.ndarray, lower, upper, most: int = STEPS
+    function: Values, v: np.ndarray, lower: np.ndarray, upper: np.ndarray, most: int = STEPS
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Projected Newton from v (n_u, S), in place of which the minimum is given back, with its value and `found`."""
     v = v.copy()
@@ -112,7 +113,16 @@ def _newton(
     return v, value, found
 
 
-def _move(function: Values, v, value, start: np.ndarray, steps: np.ndarray, samples: np.ndarray, lower, upper) -> None:
+def _move(
+    function: Values,
+    v: np.ndarray,
+    value: np.ndarray,
+    start: np.ndarray,
+    steps: np.ndarray,
+    samples: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+) -> None:
     """Take the best of some steps (n_u, B, S) from `start` where it is better than v: changes v and value."""
     tried = np.clip(start[:, None] + steps, lower[:, None], upper[:, None])
     values = function(tried, samples)
@@ -128,13 +138,15 @@ def _radii(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(lower) & np.isfinite(upper), RADIUS, FAR)
 
 
-def _by_one(gradient: np.ndarray, hessian: np.ndarray, lower, upper) -> np.ndarray:
+def _by_one(gradient: np.ndarray, hessian: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Newton steps of one control alone, shape (n_u, n_u, S): where bounds bend the step of all, they still descend."""
     curvature = np.maximum(np.abs(np.einsum("sii->is", hessian)), np.abs(gradient) / _radii(lower, upper))
     return np.eye(len(gradient))[:, :, None] * (-gradient / np.where(curvature > 0, curvature, 1.0))
 
 
-def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray]:
+def _derivatives(
+    function: Values, v: np.ndarray, samples: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Gradient (n_u, S) and Hessian (S, n_u, n_u) at v by differences whose points are within the bounds."""
     n = len(v)
     d = np.minimum(DIFFERENCE, (upper - lower) / 4)
@@ -159,7 +171,9 @@ def _derivatives(function: Values, v: np.ndarray, samples: np.ndarray, lower, up
     return gradient, hessian
 
 
-def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper) -> tuple[np.ndarray, np.ndarray]:
+def _step(
+    v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The Newton step (n_u, S) of the controls that are not held at their bounds, at most RADIUS long; and how much the
     function should fall by it (S,), NaN where a bound or the radius cuts it short."""
     held = ((v <= lower) & (gradient > 0)) | ((v >= upper) & (gradient < 0))
@@ -180,21 +194,23 @@ def _step(v: np.ndarray, gradient: np.ndarray, hessian: np.ndarray, lower, upper
     return step, np.where(cut, np.nan, -(along * steps).sum(axis=1) / 2)
 
 
-def _multipliers(function: Values, v: np.ndarray, lower, upper, c: Constrained, size: np.ndarray):
+def _multipliers(
+    function: Values, v: np.ndarray, lower: np.ndarray, upper: np.ndarray, c: Constrained, size: np.ndarray
+) -> Any:
     """The method of multipliers: `_newton` on the augmented function, whose value is given back."""
     nu, samples = c.multipliers.copy(), np.arange(v.shape[1])
     low, high = c.lower[:, None, None], c.upper[:, None, None]
 
-    def values(v, samples):
+    def values(v: np.ndarray, samples: np.ndarray) -> Any:
         return c.values(v * size[:, None], samples)
 
     rho = STIFFNESS * _curvature(function, v, samples, lower, upper) / _steepness(values, v, samples, lower, upper)
 
-    def missed(v, samples):
+    def missed(v: np.ndarray, samples: np.ndarray) -> Any:
         y = values(v, samples) + nu[:, None, samples] / rho[:, None, samples]
         return y - np.clip(y, low, high)
 
-    def augmented(v, samples):
+    def augmented(v: np.ndarray, samples: np.ndarray) -> Any:
         r, own = rho[:, None, samples], nu[:, None, samples]
         return function(v, samples) + (r * missed(v, samples) ** 2 - own**2 / r).sum(axis=0) / 2
 
@@ -206,20 +222,21 @@ def _multipliers(function: Values, v: np.ndarray, lower, upper, c: Constrained, 
     return v, augmented(v[:, None], samples)[0], found
 
 
-def _curvature(function: Values, v: np.ndarray, samples: np.ndarray, lower, upper) -> np.ndarray:
+def _curvature(
+    function: Values, v: np.ndarray, samples: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
     """How much the function bends or slopes, shape (S,), in sizes of the controls; above 0."""
     gradient, hessian = _derivatives(function, v, samples, lower, upper)
     much = np.abs(gradient).sum(axis=0) + np.abs(hessian).sum(axis=(1, 2))
     return np.maximum(much, 1e-8 * max(much.max(initial=0.0), 1e-8))
 
 
-def _steepness(values: Values, v: np.ndarray, samples: np.ndarray, lower, upper) -> np.ndarray:
+def _steepness(values: Values, v: np.ndarray, samples: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """The squared slope of each constraint, shape (n_c, S), in sizes of the controls; above 0."""
+
+    def one(i: int) -> Values:
+        return lambda v, s: values(v, s)[i]
+
     count = len(values(v[:, None], samples))
-    slopes = np.array(
-        [
-            (_derivatives(lambda v, s, i=i: values(v, s)[i], v, samples, lower, upper)[0] ** 2).sum(axis=0)
-            for i in range(count)
-        ]
-    )
+    slopes = np.array([(_derivatives(one(i), v, samples, lower, upper)[0] ** 2).sum(axis=0) for i in range(count)])
     return np.maximum(slopes, 1e-4 * np.maximum(slopes.max(axis=1, keepdims=True), 1e-8))

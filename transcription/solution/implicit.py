@@ -45,7 +45,7 @@ class Nearby:
     dr/dz is inverted once, at u, and serves for all by the chord method; where that does not settle, Newton's does it.
     """
 
-    def __init__(self, phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]):
+    def __init__(self, phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> None:
         self.phase, self.t, self.x, self.u, self.p = phase, t, x, u, p
         n = len(phase.controls)
         if phase.algebraic:
@@ -70,7 +70,7 @@ class Nearby:
         return t, x, consistent_inputs(self.phase, t, x, np.concatenate([controls, z]), self.p)
 
 
-def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
+def _newton_step(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
     """-(dr/dz)^-1 r at every time, shape (n_z, M)."""
     residual, jacobian = _residuals(phase, t, x, u, p, np.arange(len(phase.controls), len(u)))
     singular = _replace_singular(jacobian)
@@ -79,7 +79,9 @@ def _newton_step(phase: Phase, t, x, u, p) -> np.ndarray:
     return step
 
 
-def _residuals(phase: Phase, t, x, u, p, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _residuals(
+    phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float], rows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """r (n_z, M), and its derivatives by some rows of u (M, n_z, rows), by the complex step: exact to rounding.
 
     All shifted inputs are evaluated at once: one row for each shift, and the unshifted one.

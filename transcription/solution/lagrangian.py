@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ...problems.problem import Function
 from ...problems.text import short_repr
+from ..constraint_kinds import INTEGRAL
 from ..layout import Layout
-from ..schemes.mesh import Group
-from ..schemes.runge_kutta import Shooting
+from ..schemes.runge_kutta import shooting_scheme
+from ..schemes.segment import Group
 from .hamiltonian import Constrained, minimise
 from .implicit import Nearby, consistent_inputs
 from .multipliers import Density, Measure, Multipliers
@@ -60,7 +62,7 @@ class _Samples:
 class PhaseLagrangian:
     """One phase of the Lagrangian, for the minimised objective."""
 
-    def __init__(self, number: int, multipliers: Multipliers, trajectory: Trajectory):
+    def __init__(self, number: int, multipliers: Multipliers, trajectory: Trajectory) -> None:
         self.number, self.multipliers = number, multipliers
         self.layout: Layout = multipliers.transcription.phases[number]
         self.phase, self.mesh, self.p = trajectory.phase, trajectory.mesh, trajectory.parameters
@@ -75,7 +77,7 @@ class PhaseLagrangian:
     def integrands(self) -> list[tuple[float, Any]]:
         """(multiplier, function) of the integrals in the Lagrangian: the objective's, and the constrained ones."""
         own = [(self.sense, self.phase.lagrange)] if self.phase.lagrange else []
-        rows = [self.multipliers.of_rows(self.phase, "integral", c.name)[1] for c in self.phase.integral]
+        rows = [self.multipliers.of_rows(self.phase, INTEGRAL, c.name)[1] for c in self.phase.integral]
         return own + [(float(y[0]), c.function) for y, c in zip(rows, self.phase.integral, strict=True)]
 
     @cached_property
@@ -100,7 +102,7 @@ class PhaseLagrangian:
     def _inputs(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
         return consistent_inputs(self.phase, t, x, u, self.p)
 
-    def _values(self, function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    def _values(self, function: Function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
         return np.broadcast_to(function(self.phase.arguments(t, x, u, self.p), np), np.shape(t))
 
     def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -136,8 +138,9 @@ class PhaseLagrangian:
         width = np.diff(sigma)[:, None]
         tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
         sample = tr.grid(group.segments, tau)
+        assert sample.costate is not None
         costate = self.sense * sample.costate
-        if isinstance(group.scheme, Shooting):
+        if group.scheme.simulated:
             costate = self._simulated_costate(group, tau)
         t = sample.t.ravel()
         x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
@@ -147,9 +150,10 @@ class PhaseLagrangian:
     def _own_integrals(self, group: Group) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
         tr, m = self.trajectory, self.multipliers
-        if isinstance(group.scheme, Shooting):
+        if group.scheme.simulated:
             rows = m.nlp.integrals(m.outcome.z)[self.number][:, group.segments]
             return np.array([multiplier for multiplier, _ in self.integrands]) @ rows
+        assert group.scheme.quadrature is not None  # what has costates has a quadrature
         tau, weights = group.scheme.quadrature
         at = tr.grid(group.segments, tau)
         return tr.h[group.segments] * (self._running(at.t, at.x, at.u) @ weights)
@@ -157,7 +161,8 @@ class PhaseLagrangian:
     def _control(self, samples: _Samples, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the least H over the controls is less than H, over each segment, and its share of the bar."""
         if not self.n:
-            return np.zeros((2, len(samples.weights)))
+            none = np.zeros(len(samples.weights))
+            return none, none
         every, u = np.arange(len(samples.t)), samples.u[: self.n]
 
         at = Nearby(self.phase, samples.t, samples.x, samples.u, self.p).inputs
@@ -201,10 +206,11 @@ class PhaseLagrangian:
         """Costates of segments that are simulated, shape (n_x, G, M): on each substep Hermite's cubic of those at its
         ends and of their slopes, - dL/dx. Without the slopes they would be of a lower order than the states are."""
         tr, segments = self.trajectory, group.segments
-        ends = group.scheme.sigma[:: group.scheme.stride]
+        ends = group.scheme.sigma[:: shooting_scheme(group.scheme).stride]
         width = np.diff(ends)
         inner = np.stack([ends[:-1] + INSET * width, ends[1:] - INSET * width], axis=1).ravel()
         at = tr.grid(segments, inner)
+        assert at.costate is not None
         costate, slope = self.sense * at.costate, self._costate_slopes(at)
         i = np.clip(np.searchsorted(ends, tau, side="right") - 1, 0, len(width) - 1)
         a, H = (tau - ends[i]) / width[i], width[i] * tr.h[segments][:, None]
@@ -220,6 +226,7 @@ class PhaseLagrangian:
         x = at.x[:, None] + (np.concatenate([np.eye(n), -np.eye(n)]).T * step[:, None])[:, :, None, None]
         t, s = np.broadcast_to(at.t, shape), (at.t - self.trajectory.t[0]) / self.duration
         u = self._inputs(t, x, np.broadcast_to(at.u[:, None], (len(at.u), *shape)))
+        assert at.costate is not None
         L = self._hamiltonian(t, x, u, self.sense * at.costate[:, None])
         for measure, spread, _ in self.of_states:
             L = L + np.interp(s, measure.s, spread) * self._values(measure.function, t, x, u)

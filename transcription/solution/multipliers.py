@@ -27,9 +27,9 @@ import numpy as np
 from ...problems.probe import depends_on
 from ...problems.problem import Function, Phase, Range
 from ...problems.text import short_repr
+from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription, bounded_start
-from ..schemes.runge_kutta import Shooting
 from .end_masses import inputs_of, without_end_masses
 
 
@@ -129,7 +129,7 @@ class Multipliers:
         """Multiplier times residual of the equations, shape (m,): what it is worth that they hold to a tolerance."""
         return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
 
-    def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound) -> np.ndarray:
+    def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound: np.ndarray | float) -> np.ndarray:
         """theta, see above; multiplier: per normalised time, for what is bounded over time."""
         size = 1 + np.abs(bound)
         nu, s = np.abs(multiplier) * size / (1 + abs(self.outcome.objective)), np.maximum(slack, 0.0) / size
@@ -142,8 +142,8 @@ class Multipliers:
         ends = [(layout.t, layout.x[:, 0], layout.x[:, -1]) for layout in t.phases]
         places = np.unique(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
         places = places[places >= 0]
-        single = [f.rows(self.nlp) for f in t.families if f.kind in ("path end", "boundary", "integral")]
-        single += [f.rows(self.nlp)[_at_an_end(f)] for f in t.families if f.kind == "path" and self._of_states_alone(f)]
+        single = [f.rows(self.nlp) for f in t.families if f.kind.multiplier is Multiplier.NUMBER]
+        single += [f.rows(self.nlp)[_at_an_end(f)] for f in t.families if f.kind is PATH and self._of_states_alone(f)]
         rows = np.concatenate([np.zeros(0, int), *single])
         total = 0.0
         for (z, s, bound), own in zip(self.sides, (places, places, rows), strict=True):
@@ -160,7 +160,7 @@ class Multipliers:
 
     # -- over time ---------------------------------------------------------------------------------------------------
 
-    def of_rows(self, phase: Phase, kind: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def of_rows(self, phase: Phase, kind: ConstraintKind, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,)."""
         wanted = (phase.name, kind, name)
         same = [f for f in self.transcription.families if (f.phase, f.kind, f.name) == wanted]
@@ -181,10 +181,7 @@ class Multipliers:
         mesh, o = layout.mesh, self.outcome
         inner = np.arange(1, mesh.segments)
         starts, ends = mesh.offset[inner], mesh.offset[inner - 1] + mesh.degrees[inner - 1]
-        if isinstance(mesh.schemes[0], Shooting):
-            parts = np.full(len(mesh.slot_points), 0.5)
-        else:
-            parts = mesh.slot_weights() / np.where(mesh.weights > 0, mesh.weights, 1.0)[mesh.slot_points]
+        parts = mesh.slot_parts
         places = layout.x[:, mesh.knots[inner]]
         z = np.where(places >= 0, o.z_upper[places] - o.z_lower[places], 0.0)
         added = np.zeros((len(layout.x), len(mesh.slot_points)))
@@ -193,12 +190,13 @@ class Multipliers:
 
     def of_controls(self, layout: Layout, duration: float) -> list[Density]:
         """What bounds the controls beside their own bounds: path constraints, and bounds of algebraic variables."""
-        phase, found = layout.phase, []
+        phase = layout.phase
+        found: list[Density] = []
         if not phase.controls:
             return found
         for c in phase.path:
             if _depends_on_inputs(phase, c.function):
-                s, y, weights = self.of_rows(phase, "path", c.name)
+                s, y, weights = self.of_rows(phase, PATH, c.name)
                 found.append(Density(c.function, c.bounds, s, y / (weights * duration)))
         weights = layout.mesh.weights
         for variable, places in zip(phase.algebraic, layout.u[len(phase.controls) :], strict=True):
@@ -215,7 +213,7 @@ class Multipliers:
         for state, places in zip(phase.states, layout.x, strict=True):
             inside = np.flatnonzero(places >= 0)
             inside = inside[(inside > 0) & (inside < len(places) - 1)]
-            s, y, _ = self.of_rows(phase, "bound", state.name)
+            s, y, _ = self.of_rows(phase, BOUND, state.name)
             times = np.concatenate([layout.mesh.fractions[inside], s])
             order = np.argsort(times, kind="stable")
             for z, bound, sign in ((o.z_lower, state.bounds.lower, -1), (o.z_upper, state.bounds.upper, 1)):
@@ -225,7 +223,7 @@ class Multipliers:
         for c in phase.path:
             if phase.controls and _depends_on_inputs(phase, c.function):
                 continue
-            s, y, _ = self.of_rows(phase, "path", c.name)
+            s, y, _ = self.of_rows(phase, PATH, c.name)
             if c.bounds.fixed:
                 yield Measure(c.function, c.bounds.lower, s, y)
                 continue

@@ -50,7 +50,7 @@ import numpy as np
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
-from ..schemes.scheme import FiniteDifference
+from ..program.contract import NonlinearProgram
 from .lagrangian import TERMS, PhaseLagrangian
 from .multipliers import Multipliers
 from .trajectory import Trajectory
@@ -84,7 +84,7 @@ class ObjectiveError:
 
 @np.errstate(all="ignore")
 def objective_error(
-    transcription: Transcription, nlp, outcome: Outcome, trajectories: Sequence[Trajectory]
+    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, trajectories: Sequence[Trajectory]
 ) -> ObjectiveError:
     """The error of the objective of an outcome, from its trajectories with costates (see `costate`)."""
     if why_not := _why_not(outcome, trajectories):
@@ -95,7 +95,7 @@ def objective_error(
     if why_not := next((phase.why_not for phase in phases if phase.why_not), ""):
         return ObjectiveError(why_not=why_not)
     terms = {kind: tuple(sense * own.signed[kind] for own in found) for kind in TERMS}
-    segments = tuple(sum(own) for own in zip(*terms.values(), strict=True))
+    segments = tuple(np.sum(own, axis=0) for own in zip(*terms.values(), strict=True))
     shares = tuple(own.shares for own in found)
     single, missed = multipliers.at_ends, multipliers.missed
     correction = float(sum(s.sum() for s in segments)) + sense * (single + float(missed.sum()))
@@ -107,7 +107,7 @@ def objective_error(
 
 
 def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:
-    if any(isinstance(scheme, FiniteDifference) for own in trajectories for scheme in own.mesh.schemes):
+    if not all(scheme.has_costates for own in trajectories for scheme in own.mesh.schemes):
         return "finite differences have no costates"
     if outcome.status is Status.FEASIBLE:
         return "nothing is left to optimise, and the engine computes no multipliers"

@@ -12,17 +12,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...problems.problem import Phase
 from ...problems.text import short_repr
-from ..collocation.differences import velocities
 from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
-from ..schemes.runge_kutta import Shooting, simulate
-from ..schemes.scheme import FiniteDifference
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
@@ -106,7 +103,7 @@ class Trajectory:
     def _sample(self, segments: np.ndarray, tau: np.ndarray, common: bool) -> Sample:
         """tau is common to all segments, shape (M,), or each segment has one, shape (G,)."""
 
-        def combine(nodal, basis):
+        def combine(nodal: np.ndarray, basis: np.ndarray) -> Any:
             return nodal @ basis.T if common else (nodal * basis).sum(axis=-1)
 
         lift = (slice(None), None) if common else slice(None)
@@ -127,13 +124,14 @@ class Trajectory:
             x[:, here] = combine(nodes, X) + h[lift] * combine(f, F)
             dx[:, here] = combine(nodes, dX) / h[lift] + combine(f, dF)
             u[:, here] = combine(self.u[:, group.collocated[row]], U)
-            if costate is not None:
+            if costate is not None and self.costate is not None:
                 costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
         return Sample(t, x, u, dx, costate)
 
     @property
     def point_costate(self) -> np.ndarray:
         """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
+        assert self.costate is not None
         points = self.mesh.slot_points
         sides = np.bincount(points)
         return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
@@ -153,8 +151,8 @@ class Trajectory:
         inside = self.grid(np.arange(segments), np.arange(count) / count)
         end = self.grid(np.array([segments - 1]), np.ones(1))
 
-        def join(a, b):
-            if a is None:
+        def join(a: np.ndarray | None, b: np.ndarray | None) -> Any:
+            if a is None or b is None:
                 return None
             return np.concatenate([a.reshape(*a.shape[:-2], a.shape[-2] * a.shape[-1]), b[..., 0]], axis=-1)
 
@@ -183,28 +181,10 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
     trajectory = Trajectory(phase, mesh, t, x, u, parameters)
-    if isinstance(mesh.schemes[0], FiniteDifference):
-        names = [state.name for state in phase.states]
-        for i, state in enumerate(phase.states):
-            if state.velocity_of:
-                x[i] = velocities(x[names.index(state.velocity_of)], trajectory.h[0])
-        return trajectory
-    if isinstance(mesh.schemes[0], Shooting):
-        simulate(trajectory)
-    _fill_eliminated(trajectory)
+    for group in mesh.groups:
+        group.scheme.complete(trajectory, group)
     _extrapolate_inputs(trajectory)
     return trajectory
-
-
-def _fill_eliminated(trajectory: Trajectory) -> None:
-    """Write the states that are no variables into trajectory.x."""
-    phase, x = trajectory.phase, trajectory.x
-    for group in trajectory.mesh.groups:
-        for node, row in group.scheme.eliminated:
-            f = phase.dynamics(trajectory.times, x, trajectory.u, trajectory.parameters)
-            at_nodes, rates = [x[:, k] for k in group.nodes.T], [f[:, k] for k in group.collocated.T]
-            h = trajectory.h[group.segments]
-            x[:, group.nodes[:, node]] = group.scheme.eliminate(node, row, at_nodes, rates, h)
 
 
 def _extrapolate_inputs(trajectory: Trajectory) -> None:

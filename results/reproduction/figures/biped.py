@@ -7,6 +7,7 @@ are drawn for both.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ from ....problems.models.five_link_biped import LINKS, Motion, Walker, combine
 from ...pictures.animate import stop_action
 from ...pictures.plots import draw_error
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION
-from .example import Example, Picture, Run, Solutions, Solved, draw, grid, largest, name_time, objectives, peak
+from .example import Example, Picture, Run, Solutions, SolvedRun, draw, grid, largest, name_time, objectives, peak
 
 TABLE, SUPPLEMENT = "biped", "biped_supplement"
 POSES = 10
@@ -65,7 +66,7 @@ def measure(solved: Solutions) -> dict[str, float]:
     return numbers
 
 
-def _measure(step: Solved) -> dict[str, float]:
+def _measure(step: SolvedRun) -> dict[str, float]:
     height = _foot_height(step)
     return {
         **{f"largest eta of q{i}": step.phase.eta[f"q{i}"].max() for i in LINKS},
@@ -78,7 +79,7 @@ def _measure(step: Solved) -> dict[str, float]:
     }
 
 
-def _foot_height(step: Solved) -> np.ndarray:
+def _foot_height(step: SolvedRun) -> np.ndarray:
     """The height of P5 on the dense grid, m."""
     _, parameters = step.result.build()
     walker, values = Walker.of(parameters), {f"q{i}": step.curve(f"q{i}").dense for i in LINKS}
@@ -110,7 +111,7 @@ def trajectory(walker: str, solved: Solutions) -> Figure:
 def error(walker: str, solved: Solutions) -> Figure:
     figure, axes = grid([1.0] * 5, 2, 2.9, down=0.65)
     for i, pair in zip(LINKS, axes, strict=True):
-        draw_error(tuple(pair), solved[walker].result, f"q{i}")
+        draw_error((pair[0], pair[1]), solved[walker].result, f"q{i}")
     return figure
 
 
@@ -142,7 +143,7 @@ def _draw_points(ax: Axes, points: np.ndarray, letter: str, first: int, what: st
     ax.plot(*points.T, marker, color=color, markersize=8, label=f"{what} ${letter}_i$", zorder=3)
     for i, point in enumerate(points, start=first):
         side, align = (1, "left") if i > 3 else (-1, "right")
-        place = {"xytext": (10 * side, 8 if point[1] == 0 else 0), "textcoords": "offset points"}
+        place: dict[str, Any] = {"xytext": (10 * side, 8 if point[1] == 0 else 0), "textcoords": "offset points"}
         ax.annotate(f"${letter}_{i}$", point, ha=align, va="center", fontsize=12, color=color, **place)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ...pictures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, labelled
-from .example import Example, Picture, Run, Solutions, grid, largest, name_time, objectives
+from .example import Example, Picture, Run, Solutions, SolvedRun, grid, largest, name_time, objectives
 
 BLOCK = "block_move_min_force"
 FEASIBLE = {  # name -> a force w(t); the feasible trajectory whose force is nearest to it
@@ -63,7 +63,7 @@ def measure(solved: Solutions) -> dict[str, float]:
     }
 
 
-def _effort(run) -> float:
+def _effort(run: SolvedRun) -> float:
     """The integral of u^2 by Simpson's rule on the mesh; exact for no less than the method's own accuracy."""
     t, u = run.phase.time, run.curve("u").points
     w = u**2

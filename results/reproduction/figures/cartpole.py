@@ -68,7 +68,7 @@ def trajectory(solved: Solutions) -> Figure:
 def error(solved: Solutions) -> Figure:
     figure, axes = grid([1.5] * 2, 2, 3.4, down=0.6)
     for pair, state in zip(axes, ("q1", "q2"), strict=True):
-        draw_error(tuple(pair), solved["cartpole"].result, state)
+        draw_error((pair[0], pair[1]), solved["cartpole"].result, state)
     return figure
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +27,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolvedRun:
     """The result file of a run, read back: its curves, and what each mesh of the schedule took."""
 
     result: Result
@@ -53,7 +54,7 @@ class Solved:
         return next(kind[name] for kind in self.phase.curves.values() if name in kind)
 
 
-Solutions = Mapping[str, Solved]
+Solutions = Mapping[str, SolvedRun]
 """Name of a run -> its result."""
 
 
@@ -89,13 +90,18 @@ def grid(rows: Sequence[float], columns: int, width: float, **frame: float) -> t
     return figure, [[figure.add_subplot(places[i, j]) for j in range(columns)] for i in range(len(rows))]
 
 
-def draw(ax: Axes, solved: Solved, name: str, label: str = "", colour: str = "") -> None:
+def draw(ax: Axes, solved: SolvedRun, name: str, label: str = "", colour: str = "") -> None:
     """A state or control over time, by the method's own interpolant, with circles at the knots (Figures 10 and 14)."""
     phase, curve = solved.phase, solved.curve(name)
     control = name in phase.curves.get("control", {})
     knot = phase.at_knot
     ax.plot(phase.dense_time, curve.dense, color=colour or (VERMILION if control else BLUE), zorder=2)
-    circle = {"markersize": 3.2, "markerfacecolor": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7}
+    circle: dict[str, Any] = {
+        "markersize": 3.2,
+        "markerfacecolor": "none",
+        "markeredgecolor": BLACK,
+        "markeredgewidth": 0.7,
+    }
     ax.plot(phase.time[knot], curve.points[knot], "o", zorder=3, **circle)
     ax.set_ylabel(with_unit(label or name, curve.unit))
     ax.yaxis.set_major_formatter(Numbers())

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ....problems.expressions.smooth import SQRT, TANH, smooth_abs
 from ...pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILION
 from ..paper_values import SWITCH, U_MAX, WORK
-from .example import Example, Picture, Run, Solutions, Solved, grid, largest, name_time, objectives
+from .example import Example, Picture, Run, Solutions, SolvedRun, grid, largest, name_time, objectives
 
 ALPHAS = (0.01, 1.0, 5.0)
 METHODS = {"slack": "slack", **{f"tanh {alpha:g}": f"{{tanh: {alpha:g}}}" for alpha in ALPHAS}}
@@ -62,7 +62,7 @@ def measure(solved: Solutions) -> dict[str, float]:
     return numbers
 
 
-def work_done(run: Solved) -> float:
+def work_done(run: SolvedRun) -> float:
     """The integral of |u v| by the trapezoidal rule on the mesh: what the smoothed solutions really cost."""
     power = np.abs(run.curve("u").points * run.curve("v").points)
     return float(np.trapezoid(power, run.phase.time))
@@ -142,7 +142,7 @@ def solutions(name: str, solved: Solutions) -> Figure:
     return figure
 
 
-def _draw_solution(ax: Axes, run: Solved, name: str, colour: str) -> None:
+def _draw_solution(ax: Axes, run: SolvedRun, name: str, colour: str) -> None:
     t = np.unique(np.concatenate([np.linspace(0, 1, 401), [SWITCH, SWITCH - 1e-9, 1 - SWITCH, 1 - SWITCH + 1e-9]]))
     ax.plot(run.phase.dense_time, run.curve(name).dense, color=colour, linewidth=1.7)
     ax.plot(t, exact(t)[name], color=BLACK, linestyle=(0, (4, 2)), linewidth=1.0, zorder=3)

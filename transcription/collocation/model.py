@@ -1,0 +1,106 @@
+"""Problem + meshes -> a Pyomo model, filled by the builder of the method of each phase.
+
+The model holds model.p[name], the static parameters to optimise, one block for each phase, model.phase[name], filled by
+its builder, and model.cost. Every rule is called once, with an index placeholder (see `templates.templated`), so that
+building the constraints costs the same for ten segments and for ten thousand.
+
+The unknowns z are ordered point by point, times and parameters last, and so are the rows of what holds over time, as
+they are numbered by the compiler: the matrix that IPOPT factorises is banded with a narrow border. For two segments s
+of a scheme with one point inside each, what a row depends on is marked in its Jacobian:
+
+    z =                  x_0 u_0   x_1 u_1   x_2 u_2   x_3 u_3   x_4 u_4    t_0 t_F    p
+    defects, s = 0      [ *   *     *   *     *   *                      |   *   *  |  *  ]     one row for each state
+    defects, s = 1      [                     *   *     *   *     *   *  |   *   *  |  *  ]     and row of L and R
+    path, k = 0         [ *   *                                          |   *   *  |  *  ]
+    ...                 [           *   *                                |   *   *  |  *  ]
+    path, k = 4         [                                         *   *  |   *   *  |  *  ]
+    boundary            [ *   *                                   *   *  |   *   *  |  *  ]
+    integral            [ *   *     *   *     *   *     *   *     *   *  |   *   *  |  *  ]
+
+In the differential form a defect has all states of its segment, but u of one or two of its points. With several phases,
+the band of each follows that of the one before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from typing import Any
+
+import numpy as np
+from pyomo.core import Block, ConcreteModel, Objective, Var
+
+from ...problems.problem import Curves, Problem
+from ..layout import Layout, Transcription, places
+from ..program.compiler import CompiledNLP
+from ..program.templates import templated
+from ..schemes.mesh import Mesh
+from .builder import PhaseBuilder, bound
+from .differences import DifferenceBuilder
+from .segments import CollocationBuilder
+
+
+def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+    """The program of collocation schemes, as `transcribe.transcribe`."""
+    return _transcribe(CollocationBuilder, problem, meshes, guess, templates)
+
+
+def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+    """The program of finite differences, as `transcribe.transcribe`."""
+    return _transcribe(DifferenceBuilder, problem, meshes, guess, templates)
+
+
+def compiled_model(transcription: Transcription) -> CompiledNLP:
+    """The nonlinear program of a templated model."""
+    return CompiledNLP(transcription.model, transcription.variables)
+
+
+def _transcribe(
+    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool
+) -> Transcription:
+    model = ConcreteModel(problem.name)
+    model.p = Var([p.name for p in problem.parameters])
+    for parameter in problem.parameters:
+        bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
+    model.phase = Block([phase.name for phase in problem.phases])
+    p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
+    builders = [
+        method(model.phase[phase.name], p, phase, mesh) for phase, mesh in zip(problem.phases, meshes, strict=True)
+    ]
+    with templated() if templates else nullcontext():
+        for builder, start in zip(builders, guess, strict=True):
+            builder.variables(start)
+            builder.constraints()
+        model.cost = Objective(rule=lambda m: problem.sense * sum(builder.cost() for builder in builders))
+    unknowns = _Unknowns()
+    layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
+    parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)
+    families = tuple(family for builder in builders for family in builder.families)
+    return Transcription(problem, model, tuple(unknowns.variables), layouts, parameters, families)
+
+
+class _Unknowns:
+    """The free variables of a model in the order of z."""
+
+    def __init__(self) -> None:
+        self.variables: list[Any] = []
+
+    def place(self, component: Any, index: Any = None) -> int:
+        """The number of a variable, which becomes the next unknown; -1 if there is none or it is fixed."""
+        if index not in component or component[index].fixed:
+            return -1
+        self.variables.append(component[index])
+        return len(self.variables) - 1
+
+
+def _laid_out(builder: PhaseBuilder, place: Callable[..., int]) -> Layout:
+    block, phase, mesh, inputs = builder.block, builder.phase, builder.mesh, builder.inputs
+    x, u, t = places(
+        phase,
+        mesh,
+        state=lambda i, k: place(block.x, (phase.states[i].name, k)),
+        own_input=lambda i, k: place(inputs[i][0], (inputs[i][1], k)),
+        time=lambda end: place(block.tF if end else block.t0),
+    )
+    explicit = "" if builder.explicit_set is None else builder.explicit_set.name
+    return Layout(phase, mesh, x, u, t, builder.owners, explicit)

@@ -1,0 +1,57 @@
+"""The kinds of constraints of a nonlinear program: one row each, with all that depends on the kind.
+
+Messages, LaTeX, scaling, warm starts, costates, the error bar and `verify` read this table; a new kind is a new row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+
+class Multiplier(Enum):
+    """What the multiplier of a row is for the continuous problem."""
+
+    COSTATE = auto()  # with those of the other rows of its segment
+    DENSITY = auto()  # times the quadrature weight of its point: a function of time
+    NUMBER = auto()  # of a constraint that holds once
+
+
+@dataclass(frozen=True)
+class ConstraintKind:
+    """phrase, heading: in messages and in LaTeX, with {} for the name of the state or the constraint.
+
+    functions: the attribute of Phase that holds the constraints, or "" for those that the method makes itself.
+    timed: whether a row holds at a time, or between two. model: whether the user's equations of motion are meant, which
+    hold for any controls. sized: whether a row has the unit of the state it is named after.
+    """
+
+    name: str
+    phrase: str
+    heading: str
+    functions: str
+    multiplier: Multiplier
+    timed: bool = True
+    model: bool = False
+    sized: bool = False
+
+    def __str__(self) -> str:
+        return self.name
+
+
+# fmt: off
+DEFECT = ConstraintKind(
+    "defect", "the dynamics of {}", "Defect of {}", "", Multiplier.COSTATE, model=True, sized=True)
+RESIDUAL = ConstraintKind(
+    "residual", "residual '{}'", "Residual {}", "residuals", Multiplier.DENSITY, model=True)
+PATH = ConstraintKind(
+    "path", "path constraint '{}'", "Path constraint {}", "path", Multiplier.DENSITY)
+PATH_END = ConstraintKind(  # of a path constraint at an end that is no collocation point
+    "path end", "path constraint '{}'", "Path constraint {}", "", Multiplier.NUMBER)
+BOUND = ConstraintKind(  # of a state that is no variable
+    "bound", "the bounds of {}", "Bounds of {}", "", Multiplier.DENSITY, sized=True)
+BOUNDARY = ConstraintKind(
+    "boundary", "boundary constraint '{}'", "Boundary constraint {}", "boundary", Multiplier.NUMBER, timed=False)
+INTEGRAL = ConstraintKind(
+    "integral", "integral constraint '{}'", "Integral constraint {}", "integral", Multiplier.NUMBER, timed=False)
+# fmt: on
