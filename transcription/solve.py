@@ -67,7 +67,7 @@ def solve(
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
     problem: one, or one for each mesh where they differ, as under a smoothing schedule.
-    schedule: the meshes that are solved in any case; refined ones come after them.
+    schedule: the meshes to solve on, and the method of each; refined ones come after them.
     settings: the engine and its options, refinement, scaling, time limit.
     guess: one for each phase, over the problem's own; None for that.
     progress: called with the number of the solve and the engine's record of each iteration.
