@@ -37,10 +37,13 @@ from .file.summary import summarize
 
 @np.errstate(all="ignore")  # a result without finite values fails its checks, and needs no warnings beside
 def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> list[Check]:
-    """All checks of a result file. Raises FileError for another file.
+    """All checks of a result file.
 
+    path: of the result file.
     tolerance: the relative error that passes.
     hold: also simulate the control sampled at this interval and held, in the unit of time; None for not.
+
+    Raises FileError for another file.
     """
     result = reload(path)
     checks = [Check("solver status", 0.0 if result.solved else 1.0, 0.0, result.outcome.status.message)]

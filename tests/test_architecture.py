@@ -195,3 +195,34 @@ def test_every_method_says_what_a_segment_says(name):
     assert len(asked) > 20
     assert [key for key in asked if not hasattr(scheme, key)] == []
     assert scheme.kind in METHOD_KINDS
+
+
+def unnamed_arguments(source: str) -> dict[str, list[str]]:
+    """Public functions with more than two arguments -> those that no line of the docstring begins with."""
+    found = {}
+    for node in ast.parse(source).body:
+        if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
+            continue
+        args = [arg.arg for arg in (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)]
+        text = ast.get_docstring(node) or ""
+        missing = [a for a in args if not re.search(rf"^\s*(\w+, )*\*{{0,2}}{a}(, \w+)*:", text, re.MULTILINE)]
+        if len(args) > 2 and missing:
+            found[node.name] = missing
+    return found
+
+
+@pytest.mark.parametrize(
+    "path",
+    [f for f in FILES if f.relative_to(ROOT).parts[0] in ("problems", "transcription", "results")],
+    ids=lambda p: str(p.relative_to(ROOT)),
+)
+def test_public_functions_name_their_arguments_one_a_line(path):
+    assert not unnamed_arguments(path.read_text())
+
+
+def test_the_check_sees_an_argument_that_has_no_line():
+    told = 'def f(a, b, c):\n    """One.\n\n    a, b: two.\n    {}c: three.\n    """'
+    assert not unnamed_arguments(told.format(""))
+    assert unnamed_arguments(told.format("and of ")) == {"f": ["c"]}
+    assert unnamed_arguments("def f(a, *, b, c): pass") == {"f": ["a", "b", "c"]}
+    assert not unnamed_arguments("def f(a, b): pass") and not unnamed_arguments("def _f(a, b, c): pass")

@@ -29,6 +29,13 @@ def solve_first_mesh(
 ) -> tuple[Solution, Solved]:
     """As `solve_mesh`; without a guess but the problem's own, other starts are tried where that one is no good.
 
+    problem: its sense says which of two objectives is better.
+    meshes: one for each phase.
+    tolerance: of the engine.
+    settings: other starts are tried with the engine ipopt only.
+    start: with a guess, no other is tried.
+    watch: its `stop` ends the other starts too; these also have a time limit of their own, see SECONDS and TIMES.
+
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
     it fails or not: of all that are solved, the solution with the best objective is kept. The solution's notes say what
     was done, and, from any start, which controls have no effect along the solution.

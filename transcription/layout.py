@@ -67,7 +67,12 @@ def places(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Number the unknowns of a phase point by point, (x_0, u_0, x_1, u_1, ...), the times last: x, u, t of a `Layout`.
 
-    state, own_input: (which, point) -> the number of the unknown, or -1 where there is none; time: 0 or 1 likewise.
+    phase: says how many states and inputs there are.
+    mesh: says how many points there are.
+    state, own_input: (which, point) -> the number of the unknown, or -1 where there is none.
+    time: 0 for the initial, 1 for the final time -> the same.
+
+    They are called in the order of the numbering.
     """
     K = len(mesh.fractions)
     x, u = np.full((len(phase.states), K), -1), np.full((len(phase.inputs), K), -1)

@@ -56,7 +56,14 @@ class Origin:
 def solve_mesh(
     problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, start: Origin, watch: Watch
 ) -> tuple[Solution, Solved]:
-    """Solve on one mesh for each phase, to that tolerance of the engine; also gives what the next solve starts from.
+    """Solve on one mesh for each phase; also gives what the next solve starts from.
+
+    problem: one that no method refuses on these meshes.
+    meshes: one for each phase.
+    tolerance: of the engine; an option `tol` of the settings goes before it.
+    settings: the engine, its options, scaling and coarse_start; refinement is not done here.
+    start: the guess and the solve before.
+    watch: who is told of the iterations, and who may end the solve.
 
     A large mesh with no guess but the problem's own starts from the solution on a coarse one; or from the guess after
     all if that leads to none. The solution's history tells of every solve.

@@ -39,7 +39,13 @@ class Scaling:
 
 
 def scale(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, given: Mapping[str, float]) -> Scaling:
-    """The scaling at the initial values z, shape (n,); `given` are sizes from the problem file."""
+    """The scaling of a nonlinear program at its initial values.
+
+    transcription: what stands where.
+    nlp: its compiled program, asked for its gradient and Jacobian once.
+    z: initial values of the unknowns, shape (n,).
+    given: sizes from the problem file, by name, in the unit of each variable; they go before the automatic ones.
+    """
     sizes = _sizes(transcription, z) | dict(given)
     factors = np.ones(nlp.n)
     for layout in transcription.phases:

@@ -66,12 +66,19 @@ def solve(
 ) -> Solution:
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
-    problem: one, or one for each mesh where they differ, as under a smoothing schedule. guess: one for each phase, over
-    the problem's own. progress: called with the number of the solve and the engine's record of each iteration. stop:
-    asked at each iteration; true ends the solve and keeps the last iterate. A failed solve ends the schedule and is
-    told by the status; one on a refined mesh ends refinement, and the solution before it is kept. So it is when a later
-    mesh of the same problem is interrupted or runs out of time. The history tells of every mesh solved, a coarse one
-    before a large first one too.
+    problem: one, or one for each mesh where they differ, as under a smoothing schedule.
+    schedule: the meshes to solve on, and the method of each; refined ones come after them.
+    settings: the engine and its options, refinement, scaling, time limit.
+    guess: one for each phase, over the problem's own; None for that.
+    progress: called with the number of the solve and the engine's record of each iteration.
+    stop: asked at each iteration; true ends the solve and keeps the last iterate.
+
+    A failed solve ends the schedule and is told by the status; one on a refined mesh ends refinement, and the solution
+    before it is kept. So it is when a later mesh of the same problem is interrupted or runs out of time. The history
+    tells of every mesh solved, a coarse one before a large first one too.
+
+    Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
+    the engine cannot take its program.
     """
     steps, stopped = planned(problem, schedule), ""
     history: list[MeshRecord] = []

@@ -77,6 +77,8 @@ def transcribe(
 ) -> Transcription:
     """Transcribe a problem on one mesh for each of its phases.
 
+    problem: of one phase or more.
+    meshes: one for each phase, all of one kind of method.
     guess: one for each phase, with the methods of `problems.problem.Guess`; by default the problem's own.
     templates: False gives an ordinary, expanded Pyomo model, for Pyomo's writers.
 
@@ -96,6 +98,11 @@ def with_costates(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, trajectories: Sequence[Trajectory]
 ) -> tuple[Trajectory, ...]:
     """The trajectories with lambda, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
+
+    transcription: of the problem on one mesh for each phase.
+    nlp: its compiled program.
+    outcome: its solution, with multipliers.
+    trajectories: one for each phase, read from the outcome.
 
     Shooting has them from the same definition as collocation, by the adjoint of its simulation; finite differences have
     none.

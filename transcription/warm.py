@@ -41,7 +41,12 @@ class Solved:
 
 
 def warm_start(old: Solved, transcription: Transcription, nlp: NonlinearProgram) -> Start:
-    """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,)."""
+    """Multipliers for a new transcription of the same problem, shapes (m,), (n,), (n,).
+
+    old: the solve before; its method has densities, see `Solved.has_densities`.
+    transcription: of the problem on the new mesh, by a method that has densities too.
+    nlp: its compiled program, which knows the rows of a family.
+    """
     y = np.zeros(nlp.m)
     for layout, trajectory in zip(transcription.phases, old.trajectories, strict=True):
         sample = trajectory.at(layout.mesh.fractions)

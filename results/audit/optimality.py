@@ -86,6 +86,12 @@ class _Hamiltonian:
 
 
 def optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Check]:
+    """Checks of one phase: how H changes along it, dL/du = 0 for each input, no negative eigenvalue of d2L/du2.
+
+    result: read back, with multipliers.
+    number: of the phase, from 0; its trajectory has costates.
+    tolerance: the largest value of each measure that passes, all of them relative.
+    """
     hamiltonian = _Hamiltonian(result, number)
     values = hamiltonian.values()
     t = values["t"]

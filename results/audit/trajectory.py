@@ -33,6 +33,10 @@ CONSTANT = 1e-6
 def simulation(trajectory: Trajectory, error: ErrorProfile, tolerance: float) -> Iterator[Check]:
     """The control integrated over each segment by itself, and over the whole horizon, against the stored states.
 
+    trajectory: of one phase.
+    error: of the trajectory, what the result claims.
+    tolerance: of the deviation over the horizon, relative to the range of each state.
+
     Over the horizon unstable dynamics make of a small error any large one. If every segment keeps what it claims, and
     the deviation at the end is far more than all errors together, it is told and does not count.
     """
@@ -71,7 +75,12 @@ def _ranges(trajectory: Trajectory) -> np.ndarray:
 
 
 def held_control(trajectory: Trajectory, hold: float, tolerance: float) -> Iterator[Check]:
-    """The states that the control gives if it is sampled every `hold` and held until the next sample."""
+    """The states that the control gives if it is sampled and held until the next sample.
+
+    trajectory: of one phase.
+    hold: the time between two samples, in the phase's unit of time.
+    tolerance: of the deviation at the knots, relative to the range of each state.
+    """
     apart, scale = np.abs(_held(trajectory, hold) - trajectory.x[:, trajectory.mesh.knots]), _ranges(trajectory)
     for i, state in enumerate(trajectory.phase.states):
         deviation = apart[i] / scale[i]

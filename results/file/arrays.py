@@ -20,6 +20,14 @@ def group_of(parent: h5py.Group, name: str) -> h5py.Group:
 
 
 def scale_of(group: h5py.Group, name: str, values: ArrayLike, long_name: str, unit: str = "") -> h5py.Dataset:
+    """A dimension scale: the values along one axis of other arrays, which are given it as one of their `scales`.
+
+    group: where it is made.
+    name: of the dataset, and of the dimension.
+    values: one for each index, shape (K,).
+    long_name: what it is, in words.
+    unit: "" for none.
+    """
     dataset = array_of(group, name, values, [], long_name, unit=unit)
     dataset.make_scale(name)
     return dataset
@@ -28,7 +36,15 @@ def scale_of(group: h5py.Group, name: str, values: ArrayLike, long_name: str, un
 def array_of(
     group: h5py.Group, name: str, values: ArrayLike, scales: Sequence[h5py.Dataset], long_name: str, *, unit: str = ""
 ) -> h5py.Dataset:
-    """A dataset with one scale for each of its dimensions; one that is a scale itself is given none."""
+    """A dataset with one scale for each of its dimensions.
+
+    group: where it is made.
+    name: of the dataset.
+    values: a number or an array of any shape.
+    scales: one for each dimension of the values; none for one that is a scale itself.
+    long_name: what it is, in words.
+    unit: "" for none.
+    """
     dataset = group.create_dataset(name, data=values)
     dataset.attrs["long_name"] = long_name
     if unit:

@@ -62,7 +62,10 @@ MAX_UNMET = 20  # segments told one by one
 def check_target(path: Path, problem: str, force: bool = False) -> None:
     """Refuse, before any work is done, a path that `write` could not or should not write.
 
-    An existing file is replaced only if it is an earlier result of the same problem, or if `force`.
+    path: of the result file to come.
+    problem: name of the problem; an earlier result of the same problem may be replaced.
+    force: whether any other file may be replaced too.
+
     Raises FileError.
     """
     check_writable(path)
@@ -73,6 +76,10 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
 
 def place_for(path: Path, problem: str, solved: bool) -> Path:
     """Where the result of a problem goes so that no solution is lost: `path`, or a name beside it.
+
+    path: where it should go.
+    problem: its name.
+    solved: whether the result is a solution.
 
     Only a solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
     if something else is there, to NAME-unsolved-2.h5 and so on.
@@ -126,9 +133,12 @@ def write(
     command: str,
     overrides: Sequence[str] = (),
 ) -> None:
-    """Write a solution, solved or not; see the module's docstring for the layout. Raises FileError.
+    """Write a solution, solved or not; see the module's docstring for the layout.
 
-    spec_text, spec_full, command, overrides: as of `image_of`.
+    path: of the result file; a file that is there is replaced.
+    solution, spec_text, spec_full, command, overrides: as of `image_of`.
+
+    Raises FileError.
     """
     write_image(path, image_of(solution, spec_text, spec_full, command, overrides))
 
@@ -142,6 +152,7 @@ def write_image(path: Path, image: bytes) -> None:
 def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, overrides: Sequence[str] = ()) -> bytes:
     """The content of the result file of a solution.
 
+    solution: solved or not.
     spec_text: the problem file as it was given.
     spec_full: the same with every default, as JSON.
     command: what the user typed.

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 
 
 def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
+    """Write the curves of one phase at the points and on the dense grid, and its errors by segment.
+
+    group: of the phase, empty.
+    trajectory: the solved phase; without costates none are written.
+    error: of the trajectory.
+    """
     phase, sample = trajectory.phase, trajectory.dense
     scale_of(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (group_of(group, name) for name in ("points", "dense", "error"))
@@ -52,6 +58,12 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
 
 
 def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
+    """Write the values of the static parameters, each with its unit.
+
+    group: of the parameters of one phase, empty.
+    problem: says which parameters there are, and their units.
+    values: name of each parameter -> its value.
+    """
     for parameter in problem.parameters:
         array_of(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
 

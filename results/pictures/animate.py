@@ -112,8 +112,13 @@ def _corners(shape: Shape) -> np.ndarray:
 def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 0.0, by_part: bool = False) -> None:
     """Draw poses uniform in time, coloured by time from dark to light, and the path of what leaves one (Figure 9).
 
-    spread: metres by which each pose stands to the right of the one before. by_part: colours tell the parts of the body
-    apart, and earlier poses are paler (Figure 13). Raises SpecError as `scene` does.
+    ax: the axes to draw on; their limits are set.
+    result: of a problem that has a drawing.
+    n_frames: the number of poses.
+    spread: metres by which each pose stands to the right of the one before; then no paths are drawn.
+    by_part: colours tell the parts of the body apart, and earlier poses are paler (Figure 13).
+
+    Raises SpecError as `scene` does.
     """
     stage = scene(result)
     poses = stage.at(np.linspace(stage.start, stage.end, n_frames))
@@ -133,7 +138,17 @@ def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 
 def paint(
     ax: Axes, shape: Shape, colour: Any = None, *, fade: float = 0.0, shift: float = 0.0, layer: float = 2
 ) -> Artist:
-    """One shape, `shift` metres to the right, in its role's colour if none is given, `fade` (0 to 1) nearer white."""
+    """Draw one shape of a pose.
+
+    ax: the axes to draw on.
+    shape: its lengths are metres.
+    colour: any of Matplotlib's; None for that of the shape's role.
+    fade: 0 to 1, how much nearer white it is than the colour.
+    shift: metres to the right.
+    layer: what has a larger one lies above.
+
+    A level ground is not faded, stays in its place and lies below all.
+    """
     own, dashes = PARTS.get(shape.role, (BLACK, "-"))
     colour = own if colour is None else colour
     style: dict[str, Any] = {"alpha": 1 - fade, "zorder": layer}
@@ -197,7 +212,12 @@ def stop_action_figure(result: Result, n_frames: int) -> Figure:
 
 
 def animate(result: Result, path: Path, frames: int, fps: int) -> None:
-    """Write a film of `frames` pictures, uniform in time, to a .gif or .mp4.
+    """Write a film to a .gif or .mp4.
+
+    result: of a problem that has a drawing.
+    path: of the film; its suffix says the format.
+    frames: the number of pictures, uniform in time.
+    fps: pictures a second.
 
     Raises SpecError as `scene` does, or for a .mp4 where there is no ffmpeg; FileError if it cannot be written.
     """

@@ -35,7 +35,13 @@ def draw_meshes(ax: Axes, result: Result) -> None:
 
 
 def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: bool = False) -> None:
-    """One number for each mesh, over the number of the mesh."""
+    """One number for each mesh, over the number of the mesh.
+
+    ax: the axes to draw on.
+    label: their title.
+    values: of the meshes in turn.
+    logarithmic: whether the axis is so, if all values are positive and the largest is over five times the smallest.
+    """
     ax.plot(range(1, len(values) + 1), values, "o-", color=VERMILION, markersize=4)
     if logarithmic and max(values) > 5 * min(values) > 0:
         ax.set_yscale("log")

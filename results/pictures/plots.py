@@ -53,7 +53,11 @@ PANEL_HEIGHT = 1.25
 def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
     """Draw one quantity of all phases over time: dense curve, points of the mesh, bounds, marks of the mesh.
 
-    kind: "state", "control", "algebraic" or "costate". bounds: empty for a picture without them.
+    ax: the axes to draw on; they get title, formats and the name of the time axis.
+    result: at least one of its phases has the quantity.
+    kind: "state", "control", "algebraic" or "costate".
+    name: of the quantity; of a costate, that of its state.
+    bounds: as `bounds_of` of `file.read` gives them; empty for a picture without them. A costate has none.
     """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
     for phase in phases:
@@ -136,7 +140,11 @@ def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
 
 
 def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
-    """States, controls, algebraic variables and costates over time, each in its panel; `only` those of these names.
+    """States, controls, algebraic variables and costates over time, each in its panel.
+
+    result: solved or not; the title says which.
+    bounds: as of `draw_curve`.
+    only: the names to draw, with their costates; empty for all.
 
     Raises SpecError for a name that is not there, and if there are too many panels for one picture.
     """
@@ -209,7 +217,12 @@ def _layout(result: Result, sections: Mapping[str, Sequence[str]]) -> tuple[int,
 
 
 def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
-    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figures 11 and 15)."""
+    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figures 11 and 15).
+
+    axes: left and right.
+    result: its phases are drawn one after the other.
+    state: the name of a state.
+    """
     left, right = axes
     phases = [phase for phase in result.phases if state in phase.epsilon]
     for phase in phases:

@@ -103,7 +103,12 @@ def plain(text: str, limit: int = 80) -> str:
 
 
 def labelled(name: str, unit: str, width: float = 100.0) -> str:
-    """ "name [unit]", on two lines if it is wider than `width` (inches); what has no unit is given none."""
+    """ "name [unit]" as a label; what has no unit is given none.
+
+    name: of a quantity, in the user's words.
+    unit: of the quantity, "" or "1" for none.
+    width: inches; a label that is wider stands on two lines.
+    """
     if unit in ("", "1"):
         return plain(name, 50)
     unit = plain(unit.replace("/s/s", "/s²").replace("^2", "²").replace("^3", "³").replace("*", "·"), 30)
@@ -119,7 +124,12 @@ def width_of(ax: Axes) -> float:
 
 
 def set_title(ax: Axes, label: str, note: str = "") -> None:
-    """A title at the left of the axes; a small note at the right if there is room, else at the end of the title."""
+    """A title at the left of the axes, and a small note beside it.
+
+    ax: the axes, with their final width.
+    label: the title, of one line or more.
+    note: stands at the right if there is room, else at the end of the title; "" for none.
+    """
     width = width_of(ax)
     room = width - LETTER * max(map(len, label.split("\n")))
     if note and len(note) * 0.83 * LETTER > room:
@@ -157,7 +167,12 @@ class Frame:
 
 
 def head(figure: Figure, lines: Sequence[str], colour: str) -> None:
-    """The title of a figure, above the panels."""
+    """The title of a figure, above the panels.
+
+    figure: with its final height.
+    lines: of the title, from the top.
+    colour: any of Matplotlib's.
+    """
     figure.suptitle("\n".join(lines), color=colour, fontsize=10, y=1 - 0.12 / figure.get_figheight(), va="top")
 
 
@@ -182,8 +197,11 @@ def mark(title: str) -> dict[str, str]:
 def check_picture(path: Path, suffixes: Sequence[str], force: bool = False) -> None:
     """Refuse, before any work is done, a path that no picture could or should be written to.
 
-    A file that exists is replaced only if it is an earlier picture of trajopt's, or if `force`. Raises SpecError for a
-    suffix that is none of `suffixes`, FileError otherwise.
+    path: of the picture to come; an earlier picture of trajopt's may be replaced.
+    suffixes: those that the path may have, in lower case, as ".png".
+    force: whether any other file may be replaced too.
+
+    Raises SpecError for a suffix that is none of `suffixes`, FileError otherwise.
     """
     if path.suffix.lower() not in suffixes:
         what = f'no picture is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
@@ -206,7 +224,14 @@ def drawn_by_us(path: Path) -> bool:
 
 
 def save(figures: Sequence[Figure], path: Path, title: str) -> None:
-    """Write figures to a .pdf, one a page, or one figure to a .png. Raises FileError."""
+    """Write figures to a .pdf, one a page, or one figure to a .png.
+
+    figures: in the order of the pages; exactly one for a .png.
+    path: of the picture; its suffix says the format.
+    title: written into the file, not drawn.
+
+    Raises FileError.
+    """
     about = mark(title)
     with look(), replacing(path) as temporary:
         if path.suffix.lower() == ".png":

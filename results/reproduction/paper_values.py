@@ -30,21 +30,45 @@ class Value:
 
 
 def printed(name: str, digits: str, source: str = INDEPENDENT) -> Value:
-    """A number that agrees in every digit given: within half a unit of the last one."""
+    """A number that agrees in every digit given: within half a unit of the last one.
+
+    name: of the number in an example's measurements.
+    digits: as printed, such as "12.568966".
+    source: who computed it.
+    """
     half = 0.5001 * 10.0 ** int(Decimal(digits).as_tuple().exponent)  # 0.0001 for the rounding of binary numbers
     return Value(name, digits, float(digits) - half, float(digits) + half, source)
 
 
 def near(name: str, value: float, tolerance: float, source: str = EXACT) -> Value:
+    """A number that is right within a tolerance.
+
+    name: of the number in an example's measurements.
+    value: what it should be.
+    tolerance: the largest absolute difference.
+    source: who says so.
+    """
     expected = f"{value:.8g} ± {tolerance:.0e}" if tolerance else f"{value:.8g}"
     return Value(name, expected, value - tolerance, value + tolerance, source)
 
 
 def at_most(name: str, limit: float, source: str = EXACT) -> Value:
+    """A number that is right up to a limit.
+
+    name: of the number in an example's measurements.
+    limit: the largest value that is right.
+    source: who says so.
+    """
     return Value(name, f"at most {limit:.6g}", -inf, limit, source)
 
 
 def at_least(name: str, limit: float, source: str = EXACT) -> Value:
+    """A number that is right from a limit on.
+
+    name: of the number in an example's measurements.
+    limit: the smallest value that is right.
+    source: who says so.
+    """
     return Value(name, f"at least {limit:.6g}", limit, inf, source)
 
 

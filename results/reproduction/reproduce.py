@@ -56,11 +56,16 @@ def reproduce(
     command: str = "",
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Chapter]:
-    """Solve, draw and check examples, all of them if none is named; results, figures and page go to a folder.
+    """Solve, draw and check examples; results, figures and page go to a folder.
 
-    every: also the solves that no figure shows, so that every number is checked. command: for the result files.
-    progress: called with a text before each piece of work. Raises SpecError for an unknown example, FileError if the
-    folder holds something else or a file cannot be written.
+    names: of the examples, all of them if none is named.
+    folder: made if it is not there; else empty, or filled by an earlier call.
+    every: also the solves that no figure shows, so that every number is checked.
+    figures: whether figures are drawn.
+    command: what the user typed, for the result files.
+    progress: called with a text before each piece of work.
+
+    Raises SpecError for an unknown example, FileError if the folder holds something else or a file cannot be written.
     """
     chosen = examples(names)
     prepare(folder, chosen, figures)
@@ -76,6 +81,10 @@ def reproduce(
 
 def prepare(folder: Path, chosen: Sequence[Example], figures: bool) -> None:
     """Make the folder, or make sure that it is one of ours and that nothing foreign in it would be replaced.
+
+    folder: for all that comes out.
+    chosen: the examples whose pictures will be written.
+    figures: whether there will be pictures.
 
     Raises FileError.
     """

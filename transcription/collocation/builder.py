@@ -301,7 +301,12 @@ def _uses_time(phase: Phase) -> bool:
 
 
 def bound(variable: Any, bounds: Range, value: float) -> None:
-    """Give a Pyomo variable its bounds and its initial value."""
+    """Give a Pyomo variable its bounds and its initial value.
+
+    variable: a scalar Var, or one element of an indexed one.
+    bounds: in the unit of the variable; an end that is infinite is no bound.
+    value: the initial value, not checked against the bounds.
+    """
     variable.setlb(_finite(bounds.lower))
     variable.setub(_finite(bounds.upper))
     variable.set_value(value, skip_validation=True)

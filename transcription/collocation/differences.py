@@ -26,7 +26,12 @@ from .builder import PhaseBuilder, Place, Values
 
 
 def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
-    """Why a phase or a mesh is none for finite differences."""
+    """Why a phase or a mesh is none for finite differences.
+
+    problem: not looked at; all methods are asked with the same arguments.
+    phase: its states must be positions with a second derivative, and their velocities.
+    mesh: must have two or more segments, all of one width.
+    """
     positions = {state.velocity_of for state in phase.states}
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
     if alone:

@@ -41,12 +41,24 @@ from .segments import CollocationBuilder
 
 
 def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
-    """The program of collocation schemes, as `transcribe.transcribe`."""
+    """The program of collocation schemes, as `transcribe.transcribe`.
+
+    problem: one that no method refuses.
+    meshes: one for each phase.
+    guess: one for each phase.
+    templates: False for an ordinary, expanded model.
+    """
     return _transcribe(CollocationBuilder, problem, meshes, guess, templates)
 
 
 def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
-    """The program of finite differences, as `transcribe.transcribe`."""
+    """The program of finite differences, as `transcribe.transcribe`.
+
+    problem: one that `refused_by_differences` says nothing against.
+    meshes: one for each phase, of equal segments.
+    guess: one for each phase.
+    templates: False for an ordinary, expanded model.
+    """
     return _transcribe(DifferenceBuilder, problem, meshes, guess, templates)
 
 

@@ -64,10 +64,17 @@ def solve_program(
     stop: Callable[[], bool] | None = None,
     scaling: Scaling | None = None,
 ) -> Outcome:
-    """Minimise the compiled program from z, shape (n,), between lower and upper, shape (n,).
+    """Minimise the compiled program from z, between lower and upper.
 
-    options: any of IPOPT's, over DEFAULTS. progress: called with each iteration's record. stop: asked at each
-    iteration; true ends the solve with status INTERRUPTED and the last iterate. scaling: in place of IPOPT's own.
+    nlp: gives the values, derivatives and bounds of the constraints.
+    z: initial values of the unknowns, shape (n,).
+    lower, upper: bounds of the unknowns, shape (n,); infinite where there is none.
+    options: any of IPOPT's, over DEFAULTS.
+    start: multipliers for a warm start; None for IPOPT's own.
+    progress: called with each iteration's record, name in COLUMNS -> number.
+    stop: asked at each iteration; true ends the solve with status INTERRUPTED and the last iterate.
+    scaling: in place of IPOPT's own; the outcome is that of the unscaled program.
+
     Raises ValueError for an option that `check_options` would refuse.
     """
     callbacks = _Callbacks(nlp, progress, stop)

@@ -38,10 +38,16 @@ def solve_program(
     stop: Callable[[], bool] | None = None,
     scaling: object = None,
 ) -> Outcome:
-    """Find a stationary point from z, shape (n,), to the contract of `ipopt.solve_program`.
+    """Find a stationary point from z, to the contract of `ipopt.solve_program`.
 
+    nlp: all its constraints must be equations.
+    z: initial values of the unknowns, shape (n,).
+    lower, upper: shape (n,); equal where an unknown is fixed, and infinite elsewhere.
     options: tol, max_iter, and line_search (yes or no: halve a step until the KKT residual shrinks).
-    Newton's steps do not depend on scaling, so none is applied.
+    start: its y are the initial multipliers of the constraints, which are 0 otherwise; those of bounds are not used.
+    progress, stop: as of `ipopt.solve_program`.
+    scaling: not used, as Newton's steps do not depend on it.
+
     Raises SpecError for another option, for an inequality constraint, and for a bound that does not fix its variable.
     """
     chosen = {**DEFAULTS, **(options or {})}

@@ -25,9 +25,14 @@ NL_HEADER = 10  # lines
 
 
 def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = False) -> list[Path]:
-    """Write the expanded model to path: AMPL's .nl, GAMS's .gms, or LaTeX's .tex, by its suffix.
+    """Write the expanded model to a file; returns the files written.
 
-    Beside a .nl file stand .row and .col, the names of its constraints and variables. Returns the files written.
+    problem: transcribed with its own guess.
+    meshes: one for each phase.
+    path: the suffix says the format: AMPL's .nl, GAMS's .gms, or LaTeX's .tex. Beside a .nl file stand .row and .col,
+        the names of its constraints and variables.
+    force: whether existing files are replaced.
+
     Raises SpecError for another suffix, FileError if a file exists and not `force`, or cannot be written.
     """
     if path.suffix not in FORMATS:

@@ -99,7 +99,10 @@ def callback(method: Callable) -> Callable:
 
 
 def cross_factor(a: np.ndarray, b: np.ndarray, different: np.ndarray) -> np.ndarray:
-    """What a second derivative by two arguments counts, where argument columns a and b are unknowns.
+    """What a second derivative by two arguments counts, shape that of a and b.
+
+    a, b: the column of the unknown that each of the two arguments reads.
+    different: whether these are two arguments, not one twice; broadcast against a and b.
 
     Two different arguments may read one unknown: then the cross derivative counts for (a, b) and for (b, a).
     """

@@ -51,7 +51,13 @@ class Code:
 
 
 def compile_family(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str, seconds: dict) -> Code:
-    """Differentiate and compile, or take from memory what was compiled before; adds to `seconds`."""
+    """Differentiate and compile, or take from memory what was compiled before.
+
+    outputs: y in the symbols v0, v1, ... (variables) and d0, d1, ... (data).
+    n_variables, n_data: the numbers of these symbols, used or not.
+    backend: "llvm" or "lambda", of SymEngine's Lambdify.
+    seconds: the time taken is added to its "differentiate" and "compile"; nothing for what was in memory.
+    """
     key = (tuple(outputs), n_variables, n_data, backend)
     if key not in _code:
         if len(_code) >= CODE_LIMIT:

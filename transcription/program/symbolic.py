@@ -36,6 +36,7 @@ class Slots:
 
     def __init__(self, variables: Sequence[VarData]) -> None:
         self.n = len(variables)
+        # By identity: == of two Pyomo variables is no comparison, it makes an expression.
         self.position = dict(zip(map(id, variables), range(self.n), strict=True))
         self.data: list[float] = []
         self._tables: dict[int, _Table] = {}
@@ -65,6 +66,7 @@ class Slots:
 
     def _variable_slots(self, component: Any) -> Any:
         keys, leaves = list(component.keys()), list(component.values())
+        # A free variable that is not compiled is no mistake as long as no template reads it: `lookup` raises, not this.
         slots = np.array([self.position.get(i, -1) for i in map(id, leaves)], dtype=np.intp)
         for i in np.flatnonzero(slots < 0):
             if leaves[i].fixed:
@@ -72,6 +74,7 @@ class Slots:
         return keys, slots, None
 
     def _parameter_slots(self, component: Any) -> Any:
+        # In their own type too, as the vector holds floats: a parameter may be an index, or part of one.
         values = component.extract_values()
         return list(values), np.array(self._append(values.values()), dtype=np.intp), np.array(list(values.values()))
 
@@ -101,6 +104,7 @@ class _Table:
     def _flat(self, index: Sequence) -> Any:
         flat: Any = 0
         for (radix, code), i in zip(self.codes, index, strict=True):
+            # Each position is checked by itself: a code out of its range would still make the number of another index.
             k = code(i) if callable(code) else i - code
             if k is None or np.min(k) < 0 or np.max(k) >= radix:
                 raise TemplateError(f"{self.name} has no index {i}")
@@ -123,6 +127,7 @@ class _Table:
 def _codes(values: Sequence) -> tuple[int, Callable | int]:
     distinct = dict.fromkeys(values)
     if distinct and all(isinstance(v, int | np.integer) for v in distinct):
+        # Integers are shifted, not looked up: whole arrays of indices then take one subtraction.
         low = min(distinct)
         return max(distinct) - low + 1, low
     return len(distinct), {v: i for i, v in enumerate(distinct)}.get
@@ -172,6 +177,7 @@ class Arguments:
         i = self._numbers(e, template)
         if isinstance(i, str):
             return i
+        # Arithmetic such as (s + 1) / 2 gives floats, which are indices as long as they are whole.
         whole = np.asarray(i).astype(np.intp)
         if np.any(whole != i):
             raise TemplateError(f"the index {e} is not a whole number")
@@ -194,6 +200,7 @@ class Arguments:
         # Two leaves that are the same number at every index are one argument, whatever they are called.
         key = slot.tobytes()
         if key not in self._known:
+            # Free at one index is free at all: the entries of derivatives by what stands behind z are dropped later.
             free = bool((slot < self.slots.n).any())
             symbols, slots = (self.variables, self.variable_slots) if free else (self.data, self.data_slots)
             self._known[key] = se.Symbol(f"{'v' if free else 'd'}{len(symbols)}")
@@ -207,6 +214,7 @@ def _shape(e: Any, template: Any) -> Any:
     if e.__class__ in native_types:
         return e
     if e is template:
+        # Not the object: each template of a family has a placeholder of its own, and all mean the same index.
         return IndexTemplate
     if isinstance(e, GetItemExpression):
         return (id(e.args[0]), *(_shape(a, template) for a in e.args[1:]))
@@ -223,6 +231,7 @@ class _Translation:
     def __call__(self, e: Any) -> se.Basic:
         if e.__class__ in native_numeric_types:
             return number(e)
+        # A rule that uses a subexpression again makes a graph; walked as a tree it can be exponentially large.
         if id(e) not in self.memo:
             self.memo[id(e)] = self.node(e)
         return self.memo[id(e)]
@@ -258,6 +267,7 @@ def _operation(e: Any, parts: list, zero: Any) -> Any:
         return -parts[0]
     if isinstance(e, ne.PowExpression):
         return parts[0] ** parts[1]
+    # Not every node has this method; bool() is False.
     if getattr(e, "is_named_expression_type", bool)():
         return parts[0]
     raise TemplateError(f"{type(e).__name__} has no translation: {e}")
@@ -275,6 +285,7 @@ def number(x: float) -> se.Basic:
 
 def _real(result: se.Basic, parts: list) -> se.Basic:
     """SymEngine works in the complex plane; what has no real value there, as 1/(x - x), is NaN when evaluated."""
+    # Only numbers are evaluated here by SymEngine; what has a symbol in it goes to code that knows real numbers only.
     if all(p.is_Number for p in parts):
         try:
             if not np.isfinite(float(result)):

@@ -70,7 +70,13 @@ class Refinement:
 
 
 def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
-    """The mesh to solve on next; pure, it changes nothing. merge: whether segments may lose points and be merged."""
+    """The mesh to solve on next; pure, it changes nothing.
+
+    trajectory: the solved phase, with the mesh to refine.
+    error: of the trajectory, as `error_profile` measures it, or what `Goal` puts in its place.
+    tolerance: of the relative error of each segment.
+    merge: whether segments may lose points and be merged.
+    """
     segments = _Segments(trajectory, error, tolerance)
     if not len(segments.bad):
         return Refinement(trajectory.mesh, (), True)

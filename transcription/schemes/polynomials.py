@@ -47,8 +47,10 @@ def differentiation_matrix(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def jacobi_nodes(n: int, alpha: int, beta: int) -> np.ndarray:
-    """Roots on [0, 1] of the Jacobi polynomial of degree n for the weight (1 - tau)^alpha tau^beta, shape (n,),
-    increasing.
+    """Roots on [0, 1] of a Jacobi polynomial, shape (n,), increasing.
+
+    n: degree of the polynomial.
+    alpha, beta: exponents of the weight (1 - tau)^alpha tau^beta to which it is orthogonal.
 
     Golub and Welsch: eigenvalues of the symmetric tridiagonal matrix of the three-term recurrence, accurate to
     rounding.

@@ -64,7 +64,11 @@ class Table:
 
 
 def order_conditions(A: np.ndarray, order: int, theta: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """rows (q, r) and sides (q,): weights w with rows @ w = sides give x(t + theta H) to that order, at most 5.
+    """rows (q, r) and sides (q,): weights w with rows @ w = sides give x(t + theta H) to the order asked for.
+
+    A: of the Butcher table, shape (r, r).
+    order: at most 5.
+    theta: where on the step, 1 for its end.
 
     One condition for each rooted tree (Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.2).
     """

@@ -270,7 +270,17 @@ def find(
     substeps: int | None = None,
     control: str | None = None,
 ) -> Segment:
-    """The scheme of that name, degree, form or substeps, control; raises SpecError with the nearest names otherwise."""
+    """The scheme of a method; the same arguments give the same object.
+
+    name: of a row of METHODS.
+    degree: of a family; None for DEFAULT_DEGREE, and for a method of one degree.
+    form: of the defects of a family, "integral" or "differential"; None for the cheaper one.
+    substeps: on each segment of a shooting method; None for DEFAULT_SUBSTEPS.
+    control: polynomial of the controls on each substep of a shooting method, a name in CONTROLS; None for that of the
+        highest degree that its table allows.
+
+    Raises SpecError, with the nearest name, for an unknown one, and for what the method does not have.
+    """
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)
         return scheme if substeps is None and control is None else METHODS[name].shooting(substeps, control)

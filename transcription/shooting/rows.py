@@ -80,7 +80,10 @@ def by_shooting(
 ) -> ShootingTranscription:
     """The program of shooting methods, as `transcribe.transcribe`.
 
-    Raises SpecError without templates: there is no model to expand.
+    problem: one that `refused_by_shooting` says nothing against.
+    meshes: one for each phase.
+    guess: one for each phase.
+    templates: must be true: there is no model to expand, and SpecError is raised.
     """
     if not templates:
         what = "a simulation has no equations to write down, so a shooting method cannot be exported"
@@ -112,7 +115,12 @@ def path_constraints(phase: Phase) -> list[tuple[ConstraintKind, Constraint]]:
 
 
 def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
-    """Why a phase cannot be simulated on a mesh."""
+    """Why a phase cannot be simulated on a mesh.
+
+    problem: its static parameters are arguments of every simulation.
+    phase: one with algebraic variables needs controls that are not constant on substeps.
+    mesh: may not have more derivatives of stages than MAX_TANGENTS.
+    """
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:

@@ -54,10 +54,12 @@ class Segments:
         stage = np.arange(self.scheme.substeps)[:, None] + self.scheme.table.c
         self.stage_times = self.edges[:, None, None] + self.widths[:, None, None] * stage / self.scheme.substeps
         self.point_times = self.edges[:, None] + self.widths[:, None] * self.scheme.sigma[self.held]
+        # Over all nodes of the segment, mostly zeros: one product then gives the controls of all stages.
         basis = np.zeros((*stage.shape, len(self.scheme.c)))
         basis[np.arange(len(basis))[:, None, None], np.arange(stage.shape[1])[:, None],
               self.scheme.substep_nodes[:, None]] = self.scheme.stage_basis  # fmt: skip
         self.stage_basis = basis
+        # u, p, t and H are linear in y, so these rows never change; `differentiate` fills in those of x.
         self._stage_tangents = self._constant_tangents(self.stage_times, basis)
         self._point_tangents = self._constant_tangents(self.point_times, np.eye(len(self.held), len(self.scheme.c)))
         self._differentiated = False
@@ -70,6 +72,7 @@ class Segments:
             V[..., n + i, self.nodes + i :: n_u] = basis
         for i in range(n_p):
             V[..., n + n_u + i, n + 2 + i] = 1
+        # Where both times are fixed, t and H are data. Else t = (1 - s) t0 + s tF and H = (tF - t0) width / S.
         if self.dynamics.size > n + n_u + n_p:
             step = (self.widths / self.scheme.substeps).reshape(-1, *[1] * (times.ndim - 1))
             V[..., -2, n], V[..., -2, n + 1] = 1 - times, times
@@ -81,6 +84,7 @@ class Segments:
     def move(self, z: np.ndarray) -> None:
         """Simulate the segments for the unknowns z, shape (n_z,)."""
         y = np.where(self.columns >= 0, z[self.columns], self.fixed)
+        # A line search asks for values at many z and for derivatives at few: tangents wait until they are asked for.
         self._differentiated = False
         u = y[:, self.nodes :].reshape(len(y), len(self.scheme.c), self.n_u)
         self.stages = self._arguments(self.stage_times, np.einsum("ijm,gma->gija", self.stage_basis, u), y)
@@ -91,6 +95,7 @@ class Segments:
         k = np.zeros((len(y), S, len(b), self.dynamics.outputs))
         for i in range(S):
             for j in range(len(b)):
+                # Integrals are simulated like states, but nothing depends on them: a stage needs the states only.
                 self.stages[:, i, j, : self.n] = self.x[:, i, : self.n] + _mix(A[j, :j], k[:, i, :j, : self.n])
                 k[:, i, j] = self.dynamics.values(self.stages[:, i, j])
             self.x[:, i + 1] = self.x[:, i] + _mix(b, k[:, i])
@@ -117,6 +122,7 @@ class Segments:
             return
         A, b, n = self.scheme.table.A, self.scheme.table.b, self.n
         self.F_v, self.g_v = self.dynamics.jacobian(self.stages), self.path.jacobian(self.points)
+        # Both are written in place: the entries that are not written are zero, or constant, at every z.
         V, at_points = self._stage_tangents, self._point_tangents
         D = np.zeros((len(self.columns), self.dynamics.outputs, self.columns.shape[1]))
         D[:, :n, :n] = np.eye(n)
@@ -129,6 +135,7 @@ class Segments:
             at_points[:, self.per * i, :n, :seen] = here[:, :n]
             if self.per == 2:
                 at_points[:, 2 * i + 1, :n, :seen] = here[:, :n] + _mix(self.scheme.table.middle, K[:, :, :n])
+            # A view of D, which is to be the tangent at the start of the next substep.
             here += _mix(b, K)
         self.end_tangents, self._differentiated = D, True
 
@@ -148,6 +155,7 @@ class Segments:
         last = self.scheme.sigma[self.held]
         if self.per == 2:  # a middle is computed from the stages up to the end of its substep
             last = last + np.tile([0, 0.5 / self.scheme.substeps], self.scheme.substeps)
+        # The node of a constant control is the middle of its substep, but it acts from the start.
         if self.scheme.control == "constant":
             last = last + 0.5 / self.scheme.substeps
         mask = np.ones((len(last), self.columns.shape[1]), bool)
@@ -169,6 +177,8 @@ class Segments:
         own = own.reshape(len(end), S, -1, n)
         mu, after = np.zeros((len(end), S, len(b), end.shape[1])), np.zeros((len(end), S, n))
         lam = end.copy()
+        # `after` is taken before the constraints at the start of the substep are added to `lam`: a costate may jump by
+        # what acts at a point, and the caller divides that between both sides.
         for i in reversed(range(S)):
             pulled = np.zeros((len(end), len(b), n))  # (dF/dx)' mu of each stage
             for j in reversed(range(len(b))):
@@ -185,6 +195,7 @@ class Segments:
     def hessian(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> np.ndarray:
         """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y)."""
         mu, _, _ = self.adjoint(end, path, bound)
+        # Bounds have no curvature of their own, as they are linear in x: their multipliers are in mu.
         M, V = self.dynamics.hessian(self.stages, mu), self._stage_tangents
         M_g, V_g = self.path.hessian(self.points, path), self._point_tangents
         H = np.zeros((len(V), V.shape[-1], V.shape[-1]))
@@ -209,6 +220,7 @@ def _mix(weights: np.ndarray, k: np.ndarray, axis: int = 1) -> Any:
 
 def _congruence(V: np.ndarray, M: np.ndarray) -> np.ndarray:
     """The sum of V' M V over all axes between the first and the last two: shape (G, n_y, n_y)."""
+    # All axes of the sum in one: a single matrix product for each segment adds them up.
     rows = -1, V.shape[-1]
     left, right = V.reshape(len(V), *rows), (M @ V).reshape(len(V), *rows)
     return left.swapaxes(1, 2) @ right

@@ -32,6 +32,8 @@ from ..schemes.scheme import collocation_scheme
 def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
     """lambda of each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
 
+    transcription: by collocation schemes.
+    nlp: its compiled program.
     outcome: with multipliers over time without those that act at the ends only, see `end_masses`.
     """
     sense = transcription.problem.sense

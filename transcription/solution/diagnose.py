@@ -48,7 +48,12 @@ NEVER_RAN = (Status.INVALID_OPTION, Status.INVALID_PROBLEM, Status.NO_MEMORY)
 def diagnose(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
 ) -> tuple[tuple[Violation, ...], str]:
-    """The constraints that the last iterate violates, worst first, and what explains the failure, or ""."""
+    """The constraints that the last iterate violates, worst first, and what explains the failure, or "".
+
+    transcription: says what each row and each unknown is in the user's terms.
+    nlp: its compiled program.
+    outcome: of a solve; one that is solved, or in which the engine never ran, has nothing to explain.
+    """
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), ""
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
@@ -64,7 +69,12 @@ def diagnose(
 
 
 def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) -> list[Violation]:
-    """The largest violation of each constraint at z, shape (n,), worst first; without those that do not matter."""
+    """The largest violation of each constraint, worst first; without those that do not matter.
+
+    transcription: says what each row is in the user's terms.
+    nlp: its compiled program.
+    z: values of the unknowns, shape (n,); a constraint without a finite value there counts as infinitely violated.
+    """
     g = nlp.constraints_unchecked(z)
     excess = np.maximum(np.maximum(nlp.cl - g, g - nlp.cu), 0.0)
     excess[np.isnan(excess)] = np.inf

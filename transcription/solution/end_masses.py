@@ -18,9 +18,11 @@ from ..layout import Family, Transcription
 
 
 def without_end_masses(transcription: Transcription, nlp: Any, y: np.ndarray) -> np.ndarray:
-    """Multipliers y, shape (m,), with those at the ends cut to the density that the next point has.
+    """The multipliers with those at the ends cut to the density that the next point has, shape (m,).
 
+    transcription: its path constraints on the states alone are meant.
     nlp: the compiled program, which knows the rows of a family.
+    y: multipliers of all rows, shape (m,); left as they are.
     """
     cut = np.array(y)
     for phase in (layout.phase for layout in transcription.phases):

@@ -64,7 +64,13 @@ class Minimum:
 
 
 def minimise(function: Values, u: np.ndarray, bounds: np.ndarray, constrained: Constrained | None = None) -> Minimum:
-    """The minimum of a function of the controls at each of S samples, from u (n_u, S); bounds (2, n_u)."""
+    """The minimum of a function of the controls at each of S samples.
+
+    function: as of `Values`, with values (B, S): B controls at once for each sample.
+    u: controls to start from, shape (n_u, S); clipped to the bounds.
+    bounds: of the controls, lower and upper, shape (2, n_u).
+    constrained: constraints of the controls, with multipliers to start from; None for none.
+    """
     size = _sizes(u, bounds)[:, None]
     lower, upper = bounds[0][:, None] / size, bounds[1][:, None] / size
     start = np.clip(u / size, lower, upper)

@@ -20,7 +20,13 @@ COMPLEX_STEP = 1e-30  # any tiny number: the derivative has no subtraction in it
 
 
 def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-    """The inputs u, shape (n_u, ...), with the algebraic rows replaced by the solution of the residuals.
+    """The inputs, shape (n_u, ...), with the algebraic rows replaced by the solution of the residuals.
+
+    phase: without algebraic variables u is given back as it is.
+    t: times, of any shape (...).
+    x: states there, shape (n_x, ...).
+    u: controls, then algebraic variables to start from, shape (n_u, ...); left as they are.
+    p: static parameters by name.
 
     Newton's method from the given values, for all times at once. Where it does not converge, as where the residuals do
     not determine z, the result is NaN: such a point has no dynamics.

@@ -86,7 +86,15 @@ class ObjectiveError:
 def objective_error(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, trajectories: Sequence[Trajectory]
 ) -> ObjectiveError:
-    """The error of the objective of an outcome, from its trajectories with costates (see `costate`)."""
+    """The error of the objective of an outcome.
+
+    transcription: of the problem on the last mesh.
+    nlp: its compiled program.
+    outcome: its solution, with multipliers.
+    trajectories: one for each phase, read from the outcome, with costates (see `costate`).
+
+    Where it does not apply, the result says why.
+    """
     if why_not := _why_not(outcome, trajectories):
         return ObjectiveError(why_not=why_not)
     multipliers, sense = Multipliers(transcription, nlp, outcome), transcription.problem.sense

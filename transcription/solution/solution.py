@@ -80,8 +80,10 @@ class Solution:
 def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
     """Why a solution is not as accurate as was asked, or "".
 
-    unmet: the number of segments that miss the tolerance. stopped: why refinement ended early. relative_error: of the
-    last mesh, None or NaN if it cannot be measured; then nothing is known against the solution but what was said.
+    unmet: the number of segments that miss the tolerance.
+    stopped: why refinement ended early, or "".
+    relative_error: of the last mesh, None or NaN if it cannot be measured; then nothing is known against the solution
+        but what was said.
     """
     if unmet:
         return f"{unmet} segment{'s' if unmet > 1 else ''} of the mesh miss the tolerance"

@@ -84,14 +84,27 @@ class Example:
 
 
 def grid(rows: Sequence[float], columns: int, width: float, **frame: float) -> tuple[Figure, list[list[Axes]]]:
-    """A figure with panels in rows of the given heights (inches) and columns of one width."""
+    """A figure with panels in rows and columns, and its axes row by row.
+
+    rows: height of each row, inches.
+    columns: the number of columns.
+    width: of each column, inches.
+    frame: margins and gaps by their names in `Frame`, inches; by default its own, but less above and below.
+    """
     frame = {"top": 0.35, "bottom": 0.55, **frame}
     figure, places = Frame(**frame).figure(rows, columns, width)
     return figure, [[figure.add_subplot(places[i, j]) for j in range(columns)] for i in range(len(rows))]
 
 
 def draw(ax: Axes, solved: SolvedRun, name: str, label: str = "", colour: str = "") -> None:
-    """A state or control over time, by the method's own interpolant, with circles at the knots (Figures 10 and 14)."""
+    """A state or control over time, by the method's own interpolant, with circles at the knots (Figures 10 and 14).
+
+    ax: the axes to draw on.
+    solved: the run whose first phase is drawn.
+    name: of the state or control.
+    label: beside the axis, with the unit behind it; it may hold mathematics. "" for the name.
+    colour: any of Matplotlib's; "" for that of a control or of a state.
+    """
     phase, curve = solved.phase, solved.curve(name)
     control = name in phase.curves.get("control", {})
     knot = phase.at_knot

@@ -29,9 +29,11 @@ def spline(scheme: Scheme, segments: int) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 def paper_formulas(h: float, x: float, f: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """The paper's splines on a segment of duration h beside those of the schemes, at the times of FINE.
+    """The paper's splines on a segment beside those of the schemes, by name, at the times of FINE, shape (101,) each.
 
-    f: (3,), at the start, the middle and the end; x: the state at the start.
+    h: duration of the segment.
+    x: the state at its start.
+    f: at its start, middle and end, shape (3,): the values of the controls, and the slopes of the states.
     """
     tau = h * FINE
     k, mid, end = f
