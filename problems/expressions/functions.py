@@ -124,7 +124,7 @@ _RISING = _POSITIVE = always(POSITIVE)
 _FALLING = always(NEGATIVE)
 
 _LOG_OF_ZERO = "is the logarithm of zero"
-_CUT = "has no value: at the origin there is no angle, and on the negative x axis it jumps from pi to -pi"
+_CUT = "has no value on the cut (y = 0 and x <= 0: the angle jumps from pi to -pi)"
 _JUMPS = "it jumps where its operand is zero, and a solver that trusts its gradient stalls there"
 _BENDS = "its slope jumps where its operand is zero, and a solver that trusts it stalls there"
 _OF_SIGN, _OF_STEP = Width(_JUMPS, "tanh({0}/eps)"), Width(_JUMPS, "(1 + tanh({0}/eps))/2")

@@ -126,7 +126,7 @@ EXPRESSIONS = [
     rate_of_v("no width", "sign(v, m - 2)", '"sign(v, m - 2)" has a width that is not positive with m = 2'),
     rate_of_v("one argument", "u + atan2(v)", "atan2 takes two arguments, not 1"),
     rate_of_v("too many operands", f"norm({', '.join('u' * 21)})", "norm takes 2 to 20 arguments, not 21"),
-    rate_of_v("an angle on the cut", "u + atan2(0, -m)", "on the negative x axis it jumps from pi to -pi"),
+    rate_of_v("an angle on the cut", "u + atan2(0, -m)", "has no value on the cut (y = 0 and x <= 0"),
     rate_of_v("arctan2", "arctan2(v, u)", "write atan2(v, u)"),
     rate_of_v("a comparison", "u > 0", "give the bounds as lower:, upper: or equals:"),
     rate_of_v("an index", "u[0]", "write u[initial] or u[final]"),
