@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .problem_files.check import check
+from .problem_files.explain import explain
 from .problem_files.export import export
 from .problem_files.init import init
 from .problem_files.listing import list_
@@ -36,7 +37,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, check, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
+    solve, check, explain, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

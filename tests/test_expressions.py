@@ -9,11 +9,15 @@ import pyomo.core
 import pytest
 
 from trajopt.problems.expressions.expression import parse
-from trajopt.problems.expressions.functions import smooth_names
+from trajopt.problems.expressions.functions import FUNCTIONS
 from trajopt.problems.expressions.slips import ExpressionError
 
 NAMES = {"x": 0.7, "y": -0.3, "q1": 1.9, "u_max": 2.5}
-PYTHON = {**{name: getattr(math, name) for name in smooth_names()}, "pi": math.pi, "__builtins__": {}}
+PYTHON = {
+    **{name: getattr(math, name) for name, row in FUNCTIONS.items() if row.composed is None},
+    "pi": math.pi,
+    "__builtins__": {},
+}
 
 
 def random_text(rng: random.Random, depth: int) -> str:
@@ -126,6 +130,10 @@ PIECES = [
     "'a'",
     "abs",
     "min",
+    "atan2",
+    "step",
+    "floor",
+    "x(t - 1)",
     "[rate]",
     "~",
     ":",

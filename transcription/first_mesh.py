@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ..problems.problem import Problem
+from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
+from .failure.relax import explain
 from .one_mesh import Origin, Watch, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -15,7 +17,8 @@ from .starts import other_starts, without_effect
 from .warm import Solved
 
 SECONDS, TIMES = 5.0, 3.0
-"""Other starts may take this long together, or this many times as long as the first, whichever is more."""
+"""Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
+search for what would have to give way."""
 
 NOT_OF_THE_START = (
     Status.INTERRUPTED, Status.MAX_CPU_TIME, Status.MAX_WALL_TIME, Status.OVERDETERMINED, Status.INVALID_PROBLEM,
@@ -23,48 +26,91 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
+CONTRADICTORY = (
+    Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
+    Status.STEP_FAILED,
+)  # fmt: skip
+"""Failures that constraints may be the reason of, if they are violated."""
+
+Found = tuple[Solution, Solved]
+
 
 def solve_first_mesh(
     problem: Problem, meshes: list[Mesh], tolerance: float, settings: Settings, start: Origin, watch: Watch
-) -> tuple[Solution, Solved]:
-    """As `solve_mesh`; without a guess but the problem's own, other starts are tried where that one is no good.
-
-    problem: its sense says which of two objectives is better.
-    meshes: one for each phase.
-    tolerance: of the engine.
-    settings: other starts are tried with the engine ipopt only.
-    start: with a guess, no other is tried.
-    watch: its `stop` ends the other starts too; these also have a time limit of their own, see SECONDS and TIMES.
+) -> Found:
+    """Solve on the first mesh; other starts are tried where the problem's own is no good.
 
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
-    it fails or not: of all that are solved, the solution with the best objective is kept. The solution's notes say what
-    was done, and, from any start, which controls have no effect along the solution.
+    it fails or not: of all that are solved, the solution with the best objective is kept. If none is solved, an elastic
+    program finds a feasible trajectory to start from, or else what would have to give way. The solution's notes say
+    what was done, and, from any start, which controls have no effect along the solution.
+
+    problem, meshes, tolerance, settings, start, watch: as of `solve_mesh`.
     """
     began = time.monotonic()
-    first = solve_mesh(problem, meshes, tolerance, settings, start, watch)
-    own = first[0]
-    if start.guess is not None or settings.engine != "ipopt" or own.status in NOT_OF_THE_START:
-        return _doubted(first)
-    idle = without_effect(problem, [phase.guess for phase in problem.phases])
-    if own.status.usable and not idle:
-        return _doubted(first)
+    best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
+    if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
+        return _doubted(best)
     now = time.monotonic()
-    end = now + max(SECONDS, TIMES * (now - began))
+    end = now + max(SECONDS, TIMES * (now - began))  # moved on for the second search
     limited = replace(watch, stop=lambda: time.monotonic() > end or bool(watch.stop and watch.stop()))
+
+    def run(guess: Sequence[Curves]) -> Found:
+        return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess), limited)
+
+    if start.guess is None and best[0].status not in NOT_OF_THE_START:
+        best = _from_others(problem, best, run, limited)
+    if best[0].status in CONTRADICTORY and best[0].violations:
+        end = time.monotonic() + max(SECONDS, TIMES * (now - began))
+        best = _explained(problem, meshes, best, run, limited, start.guess)
+    return _doubted(best)
+
+
+def _from_others(problem: Problem, first: Found, run: Callable[[Sequence[Curves]], Found], limited: Watch) -> Found:
+    """The best of the first solution and those from other starts, as far as they are worth a try."""
+    own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
+    if own.status.usable and not idle:
+        return first
     best, words, tried = first, "", 0
     for other in other_starts(problem, doubtful=own.status.usable):
         if limited.stop and limited.stop():
             break
         tried += 1
-        found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=other.guesses), limited)
+        found = run(other.guesses)
         if _better(found[0], best[0], problem.sense):
             best, words = found, other.words
             if not idle:
                 break
-    return _doubted((replace(best[0], notes=(_told(own, idle, words, tried),)), best[1]))
+    return replace(best[0], notes=(_told(own, idle, words, tried),)), best[1]
 
 
-def _doubted(found: tuple[Solution, Solved]) -> tuple[Solution, Solved]:
+def _explained(
+    problem: Problem,
+    meshes: list[Mesh],
+    best: Found,
+    run: Callable[[Sequence[Curves]], Found],
+    limited: Watch,
+    guess: Sequence[Curves] | None,
+) -> Found:
+    """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way."""
+    failed = best[0]
+    explanation = explain(problem, meshes, guess, stop=limited.stop)
+    if not explanation.settled:
+        return best
+    if not explanation.feasible:
+        return replace(failed, relief=explanation.relief), best[1]
+    solution, solved = run(explanation.curves)
+    if solution.status.usable:
+        note = (
+            f"the start of the file failed ({failed.status.message}); this is the solution from a feasible trajectory"
+        )
+        return replace(solution, notes=(f"{note}, found with all constraints relaxed at a price",)), solved
+    return replace(failed, notes=(*failed.notes, "the constraints can all hold, but not near the starts tried")), best[
+        1
+    ]
+
+
+def _doubted(found: Found) -> Found:
     """With a note on what had no effect along the solution: that may be stationary without being an optimum."""
     solution, solved = found
     idle = without_effect(solution.problem, solution.trajectories) if solution.status.usable else []

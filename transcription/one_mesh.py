@@ -12,13 +12,13 @@ import numpy as np
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Outcome, Status
 from .engines.table import engine_solve
+from .failure.diagnose import diagnose
 from .layout import bounded_start
 from .program.alone import building
 from .program.contract import NonlinearProgram
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
-from .solution.diagnose import diagnose
 from .solution.error import ErrorProfile, error_profile
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories

@@ -9,6 +9,8 @@ from typing import Any
 from ...results.file.summary import causes
 from .printing import cell, print_field, print_table, print_title
 
+MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
+
 HELD = 1e-6
 """Of the range of a curve: an excess below this is the engine's tolerance."""
 
@@ -25,6 +27,8 @@ def print_summary(summary: dict[str, Any]) -> None:
 def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if not summary["solved"]:
         yield "status", summary["message"]
+        relief = summary["relief"][:MAX_RELIEF]
+        yield from zip(("relax", *["or"] * (len(relief) - 1)), relief, strict=True) if relief else ()
         yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
         yield "remedy", summary["remedy"]
     yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"

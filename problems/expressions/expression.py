@@ -238,6 +238,8 @@ class _Audit(_Walk):
             self.refuse(node, second == 0, "divides by zero")
         if second is not None and symbol == "**" and self.constants_only:
             self.refuse(node, np.abs(second) > MAX_EXPONENT, f"has an exponent larger than {MAX_EXPONENT}")
+        if second is not None and symbol in FUNCTIONS and FUNCTIONS[symbol].width is not None:
+            self.refuse(node, second <= 0, "has a width that is not positive")
         if any(operand is None for operand in operands):
             return None
         result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
@@ -252,9 +254,11 @@ class _Audit(_Walk):
         return self.scope.get(key, self.values.get(key))
 
     def finite(self, node: Node, result: Any) -> Any:
-        self.refuse(node, np.isnan(result), "is not a real number")
         if isinstance(node, Operation) and node.symbol in FUNCTIONS:
-            self.refuse(node, np.isneginf(result), FUNCTIONS[node.symbol].minus_infinity)
+            row = FUNCTIONS[node.symbol]
+            self.refuse(node, np.isnan(result), row.not_a_number)
+            self.refuse(node, np.isneginf(result), row.minus_infinity)
+        self.refuse(node, np.isnan(result), "is not a real number")
         self.refuse(node, np.isinf(result), "is too large a number")
         return result
 

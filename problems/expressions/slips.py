@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import keyword
 import re
+from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
 from ..text import did_you_mean, excerpt, nearest, shorten
-from .functions import FUNCTIONS, is_inconsistent, smooth_names
+from .functions import FUNCTIONS, may_hold_commas, smooth_names
+from .lacking import LACKING, at_another_time
 
 ENDS = ("initial", "final")
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
@@ -33,25 +35,27 @@ _TOKEN = re.compile(
 
 _ALIASES = {
     "ln": "log({})",
-    "log10": "log({})/log(10)",
     "log2": "log({})/log(2)",
     "exp2": "2**({})",
     "arcsin": "asin({})",
     "arccos": "acos({})",
     "arctan": "atan({})",
     "tg": "tan({})",
-    "cot": "1/tan({})",
-    "sec": "1/cos({})",
-    "csc": "1/sin({})",
     "sqr": "({})**2",
     "square": "({})**2",
     "pow": "a**b",
     "fabs": "abs({})",
-    "atan2": "atan(y/x), where x is never zero",
-    "arctan2": "atan(y/x), where x is never zero",
+    "arctan2": "atan2({})",
+    "erfc": "1 - erf({})",
+    "sgn": "sign({}, eps), where eps is the width of the smooth change",
+    "signum": "sign({}, eps), where eps is the width of the smooth change",
 }
 
-_COMPARISON = ("an expression is one value, not a comparison", "give the bounds as lower:, upper: or equals: beside it")
+_BRANCHES = ("if", "else", "and", "or", "not")
+_COMPARISON = (
+    "an expression is one value, not a comparison",
+    "give the bounds as lower:, upper: or equals: beside it, or write a smooth switch as step(x - a, eps)",
+)
 _STRAY = ("this character has no meaning in an expression", "use names, numbers, + - * / ** and parentheses")
 _OTHER = {
     "^": ("^ is not the power operator", "write ** for a power, as in x**2"),
@@ -102,8 +106,8 @@ def check_syntax(text: str) -> None:
             "name its parts under expressions:",
         )
     tokens = _tokens(text)
-    for token in tokens:
-        _check_token(text, token)
+    for token, after in pairwise(tokens):
+        _check_token(text, token, after)
     _check_brackets(text, tokens)
     tokens = _separated(tokens)
     for before, token, after in zip(tokens, tokens[1:], [*tokens[2:], tokens[-1]], strict=False):
@@ -122,7 +126,10 @@ def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoRet
     raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
 
 
-def _check_token(text: str, token: Token) -> None:
+def _check_token(text: str, token: Token, after: Token) -> None:
+    # before a comparison in its arguments is told to be one
+    if token.text in LACKING and after.text == "(":
+        _fail(text, token, _closing(text, after), *LACKING[token.text])
     if token.category == "other":
         _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
     if token.text == "//":
@@ -133,7 +140,9 @@ def _check_token(text: str, token: Token) -> None:
             token,
             token,
             f"{token.text} is a word of Python, not of expressions, which have no branches",
-            "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
+            LACKING["if"].remedy
+            if token.text in _BRANCHES
+            else "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
         )
     if len(token.text) > MAX_NAME:
         _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
@@ -162,11 +171,11 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
 
 
 def _separated(tokens: list[Token]) -> list[Token]:
-    """The tokens with the commas between the arguments of abs, min and max marked as separators."""
+    """The tokens with the commas between the arguments of functions marked as separators."""
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and is_inconsistent(before.text))
+            openers.append(token.text == "(" and may_hold_commas(before.text))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
@@ -221,6 +230,8 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
         _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
+        if lack := at_another_time(before.text, inside):
+            _fail(text, before, last, *lack)
         what = "[ ] only marks the value at an end of time, or the rate of an implicit state"
         _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
 
@@ -243,20 +254,21 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
 
 def _check_call(text: str, name: Token, bracket: Token) -> None:
     """A call of something that is not one of the functions."""
-    argument = _argument(text, bracket)
-    last = Token("operator", ")", bracket.stop + len(argument), bracket.stop + len(argument) + 1)
-    argument = shorten(argument.strip(), 40)
+    last = _closing(text, bracket)
+    argument = shorten(text[bracket.stop : last.start].strip(), 40)
     if name.text in _ALIASES:
         remedy = f"write {_ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
+    if lack := at_another_time(name.text, argument):
+        _fail(text, name, last, *lack)
     if nearest(name.text, FUNCTIONS):
         _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, FUNCTIONS))
     known = f"the functions are {' '.join(smooth_names())}"
     _fail(text, name, last, f"{name.text} is not a function", f"write {name.text}*(...) for a product; {known}")
 
 
-def _argument(text: str, bracket: Token) -> str:
-    """The text between an opening parenthesis and its partner, which _check_brackets has found."""
+def _closing(text: str, bracket: Token) -> Token:
+    """The partner of an opening parenthesis; the end of the text if it has none."""
     depth = 0
     for i in range(bracket.start, len(text)):
         if text[i] == "(":
@@ -264,8 +276,8 @@ def _argument(text: str, bracket: Token) -> str:
         elif text[i] == ")":
             depth -= 1
         if depth == 0:
-            return text[bracket.stop : i]
-    return text[bracket.stop :]
+            return Token("operator", ")", i, i + 1)
+    return Token("end", "", len(text), len(text))
 
 
 def _check_missing(text: str, before: Token, token: Token) -> None:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from . import composed
 from .functions import FUNCTIONS, FunctionRow
 
 SLACK, TANH, SQRT = "slack", "tanh", "sqrt"
@@ -32,7 +33,7 @@ def smooth_abs(treatment: str, functions: Any, y: Any, width: Any) -> Any:
     y: a number, an array of any shape or an expression.
     width: alpha or beta, positive, in the unit of y.
     """
-    return y * functions.tanh(y / width) if treatment == TANH else functions.sqrt(y**2 + width**2)
+    return composed.smooth_abs(functions, [y, width]) if treatment == TANH else functions.sqrt(y**2 + width**2)
 
 
 def _smooth(row: FunctionRow, treatment: str, functions: Any, operands: Sequence[Any]) -> Any:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from ..text import excerpt
+from ..text import excerpt, shorten
 from .functions import FUNCTIONS, smooth_names
 from .slips import ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
@@ -175,7 +175,7 @@ def _leaf(tree: ast.expr, span: _Span) -> Node | None:
 def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | None:
     match tree:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
-            _check_arguments(name, len(arguments), text, span)
+            _check_arguments(name, arguments, text, span)
             return Operation(*span, name, tuple(_node(argument, text, depth) for argument in arguments))
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return Operation(*span, "-", (_node(operand, text, depth),))
@@ -188,12 +188,22 @@ def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | Non
     return None
 
 
-def _check_arguments(name: str, given: int, text: str, span: _Span) -> None:
-    least, most = FUNCTIONS[name].arguments
-    if not least <= given <= most:
-        wanted = "one argument" if most == 1 else f"{least} to {most} arguments"
-        what = f"{excerpt(text, *span)}: {name} takes {wanted}, not {given}"
-        raise ExpressionError(what, f"write {name} with {wanted}")
+def _check_arguments(name: str, given: list[ast.expr], text: str, span: _Span) -> None:
+    row = FUNCTIONS[name]
+    least, most = row.arguments
+    if least <= len(given) <= most:
+        return
+    if row.width is not None and len(given) == 1:
+        operand = shorten(ast.get_source_segment(text, given[0]) or "x", 40)
+        other = row.width.formula.format(operand if isinstance(given[0], ast.Name) else f"({operand})")
+        remedy = f"write {name}({operand}, eps), where eps is the width of the smooth change, or {other}"
+        raise ExpressionError(f"{excerpt(text, *span)}: {name} needs a width, for {row.width.why}", remedy)
+    wanted = _WANTED.get((least, most), f"{least} to {most} arguments")
+    what = f"{excerpt(text, *span)}: {name} takes {wanted}, not {len(given)}"
+    raise ExpressionError(what, f"write {name} with {wanted}")
+
+
+_WANTED = {(1, 1): "one argument", (2, 2): "two arguments"}
 
 
 def _chain(tree: ast.expr, text: str, depth: int) -> Chain:

@@ -62,8 +62,10 @@ class Monotone:
                 return self._slopes_of_chain(node)
             case Operation(symbol="**", operands=(base, exponent)):
                 return self._slopes_of_power(base, exponent)
+            case Operation(symbol="-"):
+                return [NEGATIVE]
             case Operation(symbol=symbol, operands=operands):
-                return [self._slope(symbol, operand) for operand in operands]
+                return FUNCTIONS[symbol].slopes([self.signs(operand) for operand in operands])
         return [EITHER] * len(below(node))
 
     def _of_name(self, name: str) -> Signs:
@@ -125,6 +127,3 @@ class Monotone:
                 by_base = POSITIVE if n >= 0 else NEGATIVE
         by_exponent = EITHER if b is None else POSITIVE if b >= 1 else NEGATIVE
         return [by_base, by_exponent]
-
-    def _slope(self, symbol: str, operand: Node) -> Signs:
-        return NEGATIVE if symbol == "-" else FUNCTIONS[symbol].slope(self.signs(operand))

@@ -85,10 +85,16 @@ def _outcome(file: h5py.File, sense: int) -> Outcome:
     )
 
 
+def stored_spec(path: Path) -> Spec:
+    """The spec of the problem that a result holds, overrides applied. Raises FileError if it is no result."""
+    with open_result(path) as file:
+        return load_stored(file["spec/full"].asstr()[()], str(path))
+
+
 def reload(path: Path) -> Reloaded:
     """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
+    spec = stored_spec(path)
     with open_result(path) as file:
-        spec = load_stored(file["spec/full"].asstr()[()], str(path))
         problem = build(spec)
         records = tuple(_record(file["mesh"][str(number)]) for number in range(len(file["mesh"])))
         outcome = _outcome(file, problem.sense)

@@ -23,7 +23,8 @@
                                attributes: engine, every option, seconds_<part> (over all meshes), violations,
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
-                               another start), scaling (sizes of the automatic one, JSON)
+                               another start), relief (what would have to give way, of a problem that contradicts
+                               itself), scaling (sizes of the automatic one, JSON)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -258,6 +259,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
     group.attrs["notes"] = texts(solution.notes)
+    group.attrs["relief"] = texts(solution.relief)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

@@ -94,6 +94,40 @@ EXPRESSIONS = [
     rate_of_v("max", "max(u, v)", "nonsmooth: {tanh: 0.01}"),
     rate_of_v("an unknown function", "sine(u)", "did you mean sin?"),
     rate_of_v("two arguments", "sin(u, v)", "one argument"),
+    rate_of_v(
+        "a delay of a state", "u + v(t - 0.5)", "there are no delays; approximate a delay tau by states of its own"
+    ),
+    rate_of_v("a delay of a control", "v + u(t-c)", "there are no delays"),
+    rate_of_v("a delay of a name like a function", "u - pos(t - 1)", "did you mean cos? If pos is a state or control"),
+    rate_of_v("a delay in brackets", "u + v[t - 0.5]", "there are no delays"),
+    rate_of_v("a delay by a function", "u + delay(v, 0.5)", "y with the rate (x - y)/tau"),
+    rate_of_v("a state of time", "u - v(t)", "a state or control is written without (t): v"),
+    *(
+        rate_of_v(
+            f"{name} of a state", f"u - {name}(v)", f'"{name}(v)" in "u - {name}(v)": there is no {name}: it jumps'
+        )
+        for name in ("floor", "ceil", "round", "heaviside")
+    ),
+    rate_of_v("a smooth switch", "u*heaviside(v)", "write step(x - a, eps)"),
+    rate_of_v("a remainder", "mod(u, 2*pi)", "an angle needs none"),
+    rate_of_v("a piecewise function", "piecewise(v > 0, u, 0)", "there is no piecewise: expressions have no branches"),
+    rate_of_v("if as a function", "if(v > 0, u, 0)", "write a + (b - a)*step(x - c, eps)"),
+    rate_of_v("if as a word", "u if v else 1", "write a + (b - a)*step(x - c, eps)"),
+    rate_of_v("random numbers", "u + random()", "write a disturbance as a function of t"),
+    rate_of_v("a derivative", "u + diff(x, t)", "write the expression of its rate"),
+    rate_of_v("a derivative by der", "u + der(x)", "x[rate] in a residual"),
+    rate_of_v("an integral", "u - integral(x)", "declare a state with this as its rate"),
+    rate_of_v(
+        "a sign", "u - c*sign(v)", "write sign(v, eps), where eps is the width of the smooth change, or tanh(v/eps)"
+    ),
+    rate_of_v("a step", "u*step(v - 1)", "write step(v - 1, eps), where eps is the width"),
+    rate_of_v("a step by other means", "u + step(v - c)", "or (1 + tanh((v - c)/eps))/2"),
+    rate_of_v("a smooth abs", "u - smooth_abs(v)", "smooth_abs needs a width, for its slope jumps"),
+    rate_of_v("no width", "sign(v, m - 2)", '"sign(v, m - 2)" has a width that is not positive with m = 2'),
+    rate_of_v("one argument", "u + atan2(v)", "atan2 takes two arguments, not 1"),
+    rate_of_v("too many operands", f"norm({', '.join('u' * 21)})", "norm takes 2 to 20 arguments, not 21"),
+    rate_of_v("an angle on the cut", "u + atan2(0, -m)", "has no value on the cut (y = 0 and x <= 0"),
+    rate_of_v("arctan2", "arctan2(v, u)", "write atan2(v, u)"),
     rate_of_v("a comparison", "u > 0", "give the bounds as lower:, upper: or equals:"),
     rate_of_v("an index", "u[0]", "write u[initial] or u[final]"),
     rate_of_v("a trailing operator", "u +", "write what stands after it"),

@@ -9,10 +9,10 @@ from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..schemes.mesh import Mesh
-from .diagnose import Violation
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
 from .trajectory import Trajectory
+from .violation import Violation
 
 LARGEST_ERROR = 1e-2
 """Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
@@ -44,7 +44,8 @@ class Solution:
 
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
-    objective is from the optimum. notes: what was done beyond what was asked, such as another start.
+    objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
+    problem that contradicts itself would have to give way, in words: each would do by itself.
     """
 
     problem: Problem
@@ -61,6 +62,7 @@ class Solution:
     stopped: str = ""
     objective_error: ObjectiveError = NOT_MEASURED
     notes: tuple[str, ...] = ()
+    relief: tuple[str, ...] = ()
 
     @property
     def solved(self) -> bool:

@@ -1,0 +1,94 @@
+"""What people look for in expressions and the language lacks, and what to write in its place."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from ..text import did_you_mean
+from .functions import FUNCTIONS
+
+
+class Lack(NamedTuple):
+    """what: that it is missing, and why. remedy: what does its work."""
+
+    what: str
+    remedy: str
+
+
+_AT_ANOTHER_TIME = re.compile(r"t\s*[-+].*|.*[-+*/]\s*t")  # t - 0.5, 0.5 + t, 2*t
+
+_SMOOTH_SWITCH = "write step(x - a, eps), which goes from 0 to 1 where x passes a, and eps is the width of the change"
+_SMOOTH_BRANCH = "write a + (b - a)*step(x - c, eps), which goes from a to b where x passes c, over the width eps"
+_CHAIN = (
+    "approximate a delay tau by states of its own: y with the rate (x - y)/tau is x late by about tau; several in a "
+    "row with a part of tau each are closer, and so is a Pade approximation"
+)
+
+
+def _jump(name: str) -> Lack:
+    return Lack(f"there is no {name}: it jumps, and a solver that trusts its gradient stalls there", _SMOOTH_SWITCH)
+
+
+def _branch(name: str) -> Lack:
+    return Lack(f"there is no {name}: expressions have no branches, for what they say must be smooth", _SMOOTH_BRANCH)
+
+
+def _rate(name: str) -> Lack:
+    remedy = "write the expression of its rate, or declare the state without a rate and write x[rate] in a residual"
+    return Lack(f"there is no {name}: expressions are not differentiated by time", remedy)
+
+
+def _integral(name: str) -> Lack:
+    remedy = "declare a state with this as its rate, or write it under objective: or constraints: as integral:"
+    return Lack(f"there is no {name}: expressions hold values at one time", remedy)
+
+
+def _random(name: str) -> Lack:
+    what = f"there is no {name}: a problem has no random numbers, so that it means the same at every solve"
+    remedy = (
+        "write a disturbance as a function of t, such as 0.1*sin(7*t), or set parameters drawn elsewhere with --set"
+    )
+    return Lack(what, remedy)
+
+
+def _delay(name: str) -> Lack:
+    return Lack(f"there is no {name}: expressions hold values at one time, and there are no delays", _CHAIN)
+
+
+def _remainder(name: str) -> Lack:
+    remedy = f"an angle needs none, sin and cos repeat by themselves; for a jump {_SMOOTH_SWITCH}"
+    return Lack(_jump(name).what, remedy)
+
+
+_KINDS = {
+    _jump: "floor ceil round trunc int heaviside",
+    _remainder: "mod fmod remainder",
+    _branch: "if ifelse if_else piecewise where select switch",
+    _rate: "diff der deriv derivative ddt",
+    _integral: "integral integrate",
+    _random: "random rand randn randint noise",
+    _delay: "delay delayed",
+}
+
+LACKING = {name: kind(name) for kind, names in _KINDS.items() for name in names.split()}
+
+
+def at_another_time(name: str, argument: str) -> Lack | None:
+    """What is said of x(t - 0.5) and of x(t), for an x that is no function; None if t is not the argument.
+
+    argument: the text between the parentheses.
+    """
+    argument = argument.strip()
+    meant = did_you_mean(name, FUNCTIONS)
+    if argument == "t":
+        what = f"there is no function {name}" if meant else f"{name} is not a function"
+        plain = f"a state or control is written without (t): {name}"
+        return Lack(what, f"{meant} If not, {plain}" if meant else plain)
+    if not _AT_ANOTHER_TIME.fullmatch(argument):
+        return None
+    if meant:
+        what = f"there is no function {name}"
+        return Lack(what, f"{meant} If {name} is a state or control, there are no delays: {_CHAIN}")
+    what = f"{name} is not a function, and cannot be taken at another time: there are no delays"
+    return Lack(what, f"{_CHAIN}; write {name}*(...) for a product")

@@ -1,0 +1,66 @@
+"""Unbounded problems name what runs away; equations that say the same thing are named."""
+
+import numpy as np
+import pytest
+from test_failures import failed, problem
+
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.transcription.engines.outcome import Outcome, Status
+from trajopt.transcription.failure.dependent import dependent
+from trajopt.transcription.layout import bounded_start
+from trajopt.transcription.settings import steps
+from trajopt.transcription.transcribe import compiled, transcribe
+
+UNBOUNDED = {
+    "a control": (problem(states="x: {rate: u, initial: 0}", u="", objective='terminal: "-x[final]"'), "u runs to "),
+    "a time": (
+        problem(
+            states="x: {rate: u, initial: 0}",
+            objective='terminal: "-t[final]"',
+            final="{lower: 0.1, guess: 1}",
+        ),
+        "the final time runs to ",
+    ),
+    "a parameter": (
+        problem(
+            states="x: {rate: u + 0*p, initial: 0, final: 1}",
+            objective='terminal: "-p", integral: u**2',
+            extra="optimize: {p: {guess: 1}}",
+        ),
+        "p runs to ",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UNBOUNDED)
+def test_what_runs_away_is_named(case):
+    text, words = UNBOUNDED[case]
+    solution = failed(text)
+    assert solution.trouble.startswith(words)
+    assert "give it bounds, or check the sign of the objective" in solution.trouble
+
+
+def named_dependent(extra: str) -> str:
+    spec = load_text(problem(extra=extra), "x.yaml")
+    transcription = transcribe(build(spec), [steps(spec.mesh)[0].mesh()])
+    nlp = compiled(transcription)
+    z, none = bounded_start(transcription)[0], np.zeros(nlp.n)
+    return dependent(transcription, nlp, Outcome(Status.STEP_FAILED, z, np.zeros(nlp.m), none, none, 0.0, {}))
+
+
+def test_equations_that_say_the_same_thing():
+    twice = "{name: one, expression: 'x[final]', equals: 1}, {name: two, expression: '2*x[final]', equals: 2}"
+    words = named_dependent(f"constraints: {{boundary: [{twice}]}}")
+    assert words.startswith("these say the same thing")
+    assert "boundary constraint 'one'" in words or "boundary constraint 'two'" in words
+
+
+def test_a_constraint_that_the_ends_imply():
+    words = named_dependent("constraints: {boundary: [{name: sum, expression: 'x[final] + v[final]', equals: 1}]}")
+    for part in ("boundary constraint 'sum'", "the final value of x", "the final value of v"):
+        assert part in words
+
+
+def test_independent_equations_name_nobody():
+    assert named_dependent("") == ""

@@ -1,0 +1,111 @@
+"""Functions without a finite value: which expression, or which derivative of it, at which time, with which values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import symengine as se
+
+from ...problems.problem import Function, Phase, Variable
+from ...problems.text import shorten
+from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL
+from ..layout import Transcription
+from ..solution.trajectory import Trajectory, trajectories
+from ..solution.violation import constraint_named
+
+LISTED = 6  # values at the place
+
+
+def explain_non_finite(transcription: Transcription, failed: tuple | None) -> str:
+    """Say which expression, or which derivative of it, has no finite value, at which time and with which values.
+
+    failed: (z, [(component name, index), ...]) as in `outcome.Outcome`.
+    """
+    if not failed:
+        return ""
+    for explain in (_value_fault, _derivative_fault):
+        for trajectory in trajectories(transcription, failed[0]):
+            for owner, function, at_ends in _functions(trajectory.phase):
+                values = _end_values(trajectory) if at_ends else _point_values(trajectory)
+                if found := explain(function, values, trajectory.phase):
+                    what, i, there = found
+                    time = "" if at_ends else f" at t = {values['t'][i]:.6g}"
+                    return f"{owner}: {what}{time}{_where(there)}{_relaxed(trajectory.phase, there)}"
+    name, index = failed[1][0]
+    return f"a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
+
+
+def _value_fault(function: Function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
+    """(what, index, values there) of the innermost sub-expression that is not finite."""
+    fault = getattr(function, "fault", lambda values: None)(values)
+    return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
+
+
+def _derivative_fault(function: Function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
+    """The same for its first or second derivatives, which IPOPT needs as well."""
+    symbols = {name: se.Symbol(name) for name in values}
+    expression = se.sympify(function(symbols, se))
+    names = [name for name, symbol in symbols.items() if symbol in expression.free_symbols]
+    times = ("t", "t[initial]", "t[final]") if phase.initial_time.fixed and phase.final_time.fixed else ()
+    unknowns = [name for name in names if name not in times]
+    if not unknowns:
+        return None
+    first = [expression.diff(symbols[name]) for name in unknowns]
+    second = [slope.diff(symbols[name]) for slope in first for name in unknowns]
+    points = np.stack(np.broadcast_arrays(*(np.asarray(values[name], float) for name in names)), axis=-1)
+    for order, derivatives in (("derivative", first), ("second derivative", second)):
+        numbers = se.Lambdify([symbols[name] for name in names], derivatives)(points).reshape(len(points), -1)
+        bad = np.argwhere(~np.isfinite(numbers))
+        if len(bad):
+            i, j = bad[0].tolist()
+            text = shorten(getattr(function, "text", "this function"))
+            what = f'the {order} of "{text}" by {unknowns[j % len(unknowns)]} is not finite'
+            return what, i, dict(zip(names, points[i].tolist(), strict=True))
+    return None
+
+
+def _where(values: dict[str, float]) -> str:
+    parts = [f"{name} = {value:.6g}" for name, value in values.items() if name != "t"][:LISTED]
+    return f", where {', '.join(parts)}" if parts else ""
+
+
+def _relaxed(phase: Phase, values: dict[str, float]) -> str:
+    """A hint where IPOPT has left the bounds a little, as it does unless it is told not to."""
+    variables: tuple[Variable, ...] = (*phase.states, *phase.inputs)
+    left = [v.name for v in variables if v.name in values and v.bounds.clip(values[v.name]) != values[v.name]]
+    if not left:
+        return ""
+    return f" (IPOPT leaves bounds by 1e-8 unless 'solver: {{bound_relax_factor: 0}}' forbids it for {left[0]})"
+
+
+def _functions(phase: Phase) -> Iterator[tuple]:
+    """(whose, function, whether it is one of the boundary values) for every function of the phase."""
+    yield from ((f"rate of {state.name}", state.rate, False) for state in phase.states)
+    if phase.lagrange:
+        yield "integral objective", phase.lagrange, False
+    for kind, constraints in ((RESIDUAL, phase.residuals), (PATH, phase.path), (INTEGRAL, phase.integral)):
+        yield from ((constraint_named(phase.name, kind, c.name), c.function, False) for c in constraints)
+    if phase.mayer:
+        yield "terminal objective", phase.mayer, True
+    yield from ((constraint_named(phase.name, BOUNDARY, c.name), c.function, True) for c in phase.boundary)
+
+
+def _point_values(trajectory: Trajectory) -> dict:
+    """Names -> values at the collocation points; without those where a computed state has no value for itself."""
+    points = trajectory.mesh.collocated
+    points = points[np.isfinite(np.vstack([trajectory.x, trajectory.u])[:, points]).all(axis=0)]
+    x, u = trajectory.x[:, points], trajectory.u[:, points]
+    return trajectory.phase.arguments(trajectory.times[points], x, u, trajectory.parameters)
+
+
+def _end_values(trajectory: Trajectory) -> dict:
+    """Names such as "q1[final]" -> values, shape (1,)."""
+    rows = trajectory.phase.arguments(trajectory.times, trajectory.x, trajectory.u, {})
+    ends = {
+        f"{name}[{end}]": values[[k]]
+        for name, values in rows.items()
+        for end, k in (("initial", 0), ("final", -1))
+        if np.isfinite(values[k])  # what is not known at an end is passed over
+    }
+    return {**ends, **trajectory.parameters}

@@ -1,0 +1,100 @@
+"""Unbounded problems: what runs away, to which side, and through which division if it is one.
+
+An objective without a lower limit lets the engine follow a state, a control, a parameter or a time to infinity; or a
+denominator to zero, beyond which the quotient has the other sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import symengine as se
+
+from ...problems.problem import Function
+from ...problems.text import shorten
+from ..engines.outcome import Outcome
+from ..layout import Transcription
+from ..solution.trajectory import Trajectory, trajectories
+from ..solution.violation import of_phase
+
+LARGE = 1e10  # no unit makes an honest value as large
+FALLEN = 1e6  # of 1 + the first objective: an objective that has fallen by more runs away
+NEAR_ZERO = 1e-3  # of its largest size, of a denominator that an objective runs away through
+
+REMEDY = "give it bounds, or check the sign of the objective"
+
+
+def runaway(transcription: Transcription, outcome: Outcome) -> str:
+    """What has run away at the end of a solve, or "".
+
+    transcription: what stands where.
+    outcome: of a failed solve, or one whose objective cannot be meant so.
+    """
+    found = list(trajectories(transcription, outcome.z))
+    size, text = max((item for own in found for item in _values(own)), default=(0.0, ""))
+    if size > LARGE:
+        return f"{text}: {REMEDY}"
+    if not fallen(outcome):
+        return ""
+    division = next((text for own in found for text in _divisions(own)), "")
+    if division:
+        return division
+    return f"the objective runs to {transcription.problem.sense * outcome.objective:.3g}; {text}: {REMEDY}"
+
+
+def fallen(outcome: Outcome) -> bool:
+    """Whether the minimised objective has fallen as far as no honest one does."""
+    history = outcome.iterations.get("objective", ())
+    if not len(history) or not np.isfinite(outcome.objective):
+        return False
+    return bool(outcome.objective < -FALLEN * (1 + abs(float(history[0]))))
+
+
+def _values(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
+    """(size, words) of the largest value of everything that is unknown."""
+    phase = trajectory.phase
+    names = [variable.name for variable in (*phase.states, *phase.inputs)]
+    for name, values in zip(names, np.nan_to_num(np.vstack([trajectory.x, trajectory.u])), strict=True):
+        k = int(np.argmax(np.abs(values)))
+        when = f" at t = {trajectory.times[k]:.6g}" if abs(trajectory.times[k]) < LARGE else ""
+        yield float(abs(values[k])), f"{name}{of_phase(phase.name)} runs to {values[k]:.3g}{when}"
+    ranges = (phase.initial_time, phase.final_time)
+    for end, bounds, value in zip(("initial", "final"), ranges, trajectory.t.tolist(), strict=True):
+        if not bounds.fixed:
+            yield abs(value), f"the {end} time{of_phase(phase.name)} runs to {value:.3g}"
+    for name, value in trajectory.parameters.items():
+        yield abs(value), f"{name} runs to {value:.3g}"
+
+
+def _divisions(trajectory: Trajectory) -> Iterator[str]:
+    """Denominators in the objective and the rates that are at zero, or on both sides of it."""
+    phase = trajectory.phase
+    k = trajectory.mesh.collocated
+    values = phase.arguments(trajectory.times[k], trajectory.x[:, k], trajectory.u[:, k], trajectory.parameters)
+    owners: list[tuple[str, Function]] = [("the objective", phase.lagrange)] if phase.lagrange else []
+    owners += [(f"the rate of {state.name}", state.rate) for state in phase.states]
+    for owner, function in owners:
+        symbols = {name: se.Symbol(name) for name in values}
+        for base in _denominators(se.sympify(function(symbols, se))):
+            names = [name for name in values if symbols[name] in base.free_symbols]
+            if not names:
+                continue
+            points = np.stack(np.broadcast_arrays(*(np.asarray(values[name], float) for name in names)), axis=-1)
+            den = np.asarray(se.Lambdify([symbols[name] for name in names], [base])(points)).ravel()
+            at = int(np.argmin(np.abs(den)))
+            if abs(den[at]) <= NEAR_ZERO * np.abs(den).max() or (den.min() < 0 < den.max()):
+                text, where = shorten(str(base)), f"{names[0]} = {points[at, 0]:.3g}, t = {values['t'][at]:.6g}"
+                yield (
+                    f"{owner}{of_phase(phase.name)} divides by {text}, which runs to zero ({where}), so there is no "
+                    f"limit to it: give {names[0]} a bound that keeps {text} away from zero"
+                )
+
+
+def _denominators(expression: Any) -> Iterator[Any]:
+    """The bases of powers with a negative exponent."""
+    if isinstance(expression, se.Pow) and expression.args[1].is_Number and float(expression.args[1]) < 0:
+        yield expression.args[0]
+    for argument in expression.args:
+        yield from _denominators(argument)

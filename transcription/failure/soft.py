@@ -1,0 +1,87 @@
+"""What of a problem may be relaxed: values and times at the ends, bounds, parameters, constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import isfinite
+
+import numpy as np
+
+from ...problems.problem import Phase, Problem, Range, Variable
+from ..constraint_kinds import PATH_END, ConstraintKind
+from ..layout import Family, Layout, Transcription
+from ..program.contract import NonlinearProgram
+from ..solution.violation import constraint_named, of_phase
+from .elastic import Soft
+
+
+def soft_constraints(problem: Problem, transcription: Transcription, nlp: NonlinearProgram) -> Iterator[Soft]:
+    """All that may be relaxed.
+
+    problem: with the ranges as they were meant.
+    transcription: of the same problem with free times.
+    nlp: its compiled program.
+    """
+    for phase, layout in zip(problem.phases, transcription.phases, strict=True):
+        yield from _ends(phase, layout)
+        for variable, places in zip((*phase.states, *phase.controls), (*layout.x, *layout.u), strict=False):
+            yield from _bounds(variable, phase.name, places, layout, variable in phase.states)
+    for parameter, place in zip(problem.parameters, transcription.parameters.tolist(), strict=True):
+        if parameter.bounds != Range():
+            yield _once("", f"the bounds of {parameter.name}", parameter, np.array([place]), parameter.bounds)
+    yield from _constraints(transcription, nlp)
+
+
+def _ends(phase: Phase, layout: Layout) -> Iterator[Soft]:
+    whose = of_phase(phase.name)
+    for state, places in zip(phase.states, layout.x, strict=True):
+        for end, place, bounds in (("initial", places[0], state.initial), ("final", places[-1], state.final)):
+            if bounds != Range() and place >= 0:
+                yield _once(phase.name, f"the {end} value of {state.name}{whose}", state, np.array([place]), bounds)
+    time = Variable("t", phase.time_unit, Range())
+    if layout.t[1] >= 0 and phase.final_time != Range():
+        yield replace(_once(phase.name, f"the final time{whose}", time, layout.t[[1]], phase.final_time), of_time=True)
+
+
+def _once(phase: str, what: str, variable: Variable, places: np.ndarray, bounds: Range) -> Soft:
+    size = _size(variable.bounds if variable.bounds != Range() else bounds, bounds)
+    return Soft(phase, what, variable.unit, True, False, places, np.zeros(1), bounds.lower, bounds.upper, size)
+
+
+def _bounds(variable: Variable, phase: str, places: np.ndarray, layout: Layout, state: bool) -> Iterator[Soft]:
+    inside = places.copy()
+    if state:
+        inside[[0, -1]] = -1  # values at the ends have a name of their own
+    at = np.flatnonzero(inside >= 0)
+    if variable.bounds == Range() or not len(at):
+        return
+    what, size = f"the bounds of {variable.name}{of_phase(phase)}", _size(variable.bounds, variable.bounds)
+    lower, upper = variable.bounds.lower, variable.bounds.upper
+    s = layout.mesh.fractions[at]
+    yield Soft(phase, what, variable.unit, True, True, inside[at], s, lower, upper, size)
+
+
+def _constraints(transcription: Transcription, nlp: NonlinearProgram) -> Iterator[Soft]:
+    named: dict[tuple[str, str, str], list[Family]] = {}
+    for family in transcription.families:
+        if not family.kind.model:
+            named.setdefault((family.phase, family.kind.phrase, family.name), []).append(family)
+    for (phase, _, name), same in named.items():
+        kind: ConstraintKind = same[0].kind
+        rows = np.concatenate([family.rows(nlp) for family in same])
+        s = np.concatenate([family.span[:, 0] for family in same])
+        lower, upper = float(nlp.cl[rows].max()), float(nlp.cu[rows].min())
+        over_time = kind.timed and kind is not PATH_END
+        size = _size(Range(lower, upper), Range(lower, upper))
+        what = constraint_named(phase, kind, name)
+        yield Soft(phase, what, "", False, over_time, rows, s, lower, upper, size)
+
+
+def _size(of_values: Range, bounds: Range) -> float:
+    """Of what a relaxation is relative to: the range of the values, else their bounds, else 1."""
+    width = of_values.upper - of_values.lower
+    if isfinite(width) and width > 0:
+        return width
+    sizes = [abs(end) for end in (bounds.lower, bounds.upper) if isfinite(end)]
+    return max(sizes, default=0.0) or 1.0
