@@ -73,11 +73,12 @@ def load_text(
     data, given = override(document, overrides)
     if data.get("mesh") is None:
         data["mesh"] = chosen
+    wrong = _default_tolerance(data) if data["mesh"] is chosen else []
     if data["mesh"] is chosen and data.get("refine") is None:
         data["refine"] = {}
     locations = Locations(file, document.lines, given)
     data.setdefault("name", printable(Path(file).stem))
-    early = _unsafe_options(data.get("solver"), locations)
+    early = wrong + _unsafe_options(data.get("solver"), locations)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
@@ -92,6 +93,20 @@ def load_text(
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def _default_tolerance(data: dict[str, Any]) -> list[Finding]:
+    """Without `mesh:`, `solver: {tol: ...}` is the tolerance of the mesh that a file gets; what is wrong with it."""
+    solver = data.get("solver")
+    if not isinstance(solver, dict) or "tol" not in solver:
+        return []
+    data["solver"] = {name: value for name, value in solver.items() if name != "tol"}
+    tolerance = solver["tol"]
+    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not 0 < tolerance < 1:
+        what = f"the tolerance of the solver is {brief(tolerance)}"
+        return [Finding(("solver", "tol"), what, "write a number between 0 and 1, such as 1.0e-8")]
+    data["mesh"][0]["tolerance"] = tolerance
+    return []
 
 
 def load_stored(text: str, file: str) -> Spec:

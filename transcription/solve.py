@@ -15,7 +15,7 @@ from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
-from .one_mesh import Origin, Watch, solve_mesh
+from .one_mesh import Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
@@ -33,6 +33,9 @@ ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solv
 
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
+
+GAP_SHARE = 1e-3
+"""Of the accuracy that is asked for, relative to 1 + |J|: the gap that the engine's barrier may leave."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -118,6 +121,9 @@ def solve(
                 "interrupted before the next mesh" if stop and stop() else "the time limit came before the next mesh"
             )
             break
+    gap = _gap(settings.refine, solution.objective)
+    solution, solved = tightened((solution, solved), settings, gap, Watch(progress, limit.reached, len(history)))
+    history[-1] = solution.meshes[-1]
     began = time.perf_counter()
     error = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
     last = history[-1]
@@ -164,6 +170,12 @@ def _unmeasurable(solution: Solution) -> str:
 def _asked(refine: Refine) -> float:
     """The engine's tolerance on the last mesh, as far as refinement has a say: what it leaves is part of the bar."""
     return refine.tolerance if refine.objective is None else max(ENGINE_SHARE * refine.objective, FINEST)
+
+
+def _gap(refine: Refine | None, objective: float) -> float:
+    """What the barrier may leave of the objective: a part of the accuracy that is asked for, or that is the default."""
+    asked = refine or Refine()
+    return GAP_SHARE * (asked.objective or asked.tolerance) * (1 + abs(objective))
 
 
 def _refined(

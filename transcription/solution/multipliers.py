@@ -125,6 +125,15 @@ class Multipliers:
         return float(sum((z * s).sum() for z, s, _ in self.sides))
 
     @property
+    def acting_gap(self) -> tuple[float, float]:
+        """What of the gap acts, and about how many inequalities act; multipliers at points stand for densities here."""
+        gap = count = 0.0
+        for z, s, bound in self.sides:
+            theta = np.where(z * s > 0, self.acting(z, s, bound), 0.0)
+            gap, count = gap + float((theta * z * s).sum()), count + float(theta.sum())
+        return gap, count
+
+    @property
     def missed(self) -> np.ndarray:
         """Multiplier times residual of the equations, shape (m,): what it is worth that they hold to a tolerance."""
         return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
