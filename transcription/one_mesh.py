@@ -20,6 +20,7 @@ from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.diagnose import diagnose
 from .solution.error import ErrorProfile, error_profile
+from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
 from .transcribe import compiled, transcribe, with_costates
@@ -115,10 +116,13 @@ def _run(
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
+    bar = objective_error(transcription, nlp, outcome, phases)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
-    record = _record(meshes[0], tolerance, objective, errors, nlp, outcome, seconds)
-    solution = Solution(problem, outcome.status, objective, phases, errors, (record,), outcome, violations, trouble)
+    record = _record(meshes[0], tolerance, objective, bar, errors, nlp, outcome, seconds)
+    solution = Solution(
+        problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
+    )
     return solution, Solved(transcription, nlp, outcome, phases)
 
 
@@ -143,6 +147,7 @@ def _record(
     mesh: Mesh,
     tolerance: float,
     objective: float,
+    bar: ObjectiveError,
     errors: Sequence[ErrorProfile],
     nlp: NonlinearProgram,
     outcome: Outcome,
@@ -153,6 +158,8 @@ def _record(
         tolerance=tolerance,
         status=outcome.status,
         objective=objective,
+        objective_error=bar.bar,
+        objective_corrected=objective + bar.correction,
         max_eta=max(error.max_eta for error in errors),
         relative_error=max(float(error.relative.max()) for error in errors),
         iterations=max(len(outcome.iterations["iteration"]) - 1, 0),

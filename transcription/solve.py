@@ -20,7 +20,6 @@ from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
-from .solution.objective_error import objective_error
 from .solution.solution import MeshRecord, Solution
 from .transcribe import refused
 
@@ -107,7 +106,7 @@ def solve(
                 break
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
             exact = min(schedule[-1].tolerance, _asked(settings.refine))  # what is looser shows in the error
-            goal = Goal(settings.refine.objective, solution, solved) if settings.refine.objective else None
+            goal = Goal(settings.refine.objective, solution) if settings.refine.objective else None
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left, goal)
             stopped = goal.unreachable if goal and not unmet and not more else ""
             steps += more
@@ -118,13 +117,8 @@ def solve(
                 "interrupted before the next mesh" if stop and stop() else "the time limit came before the next mesh"
             )
             break
-    began = time.perf_counter()
-    error = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
-    last = history[-1]
-    seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
-    meshes = (*history[:-1], replace(last, seconds=seconds))
-    solution = replace(solution, meshes=meshes, unmet=unmet, stopped=stopped, notes=notes)
-    return replace(solution, accept=settings.accept, objective_error=error)
+    solution = replace(solution, meshes=tuple(history), unmet=unmet, stopped=stopped, notes=notes)
+    return replace(solution, accept=settings.accept)
 
 
 class _Limit:
