@@ -16,7 +16,7 @@ from PIL import Image
 from trajopt.problems.errors import SpecError
 from trajopt.problems.problem import Range
 from trajopt.results.file.read import bounds_of, read
-from trajopt.results.pictures import mesh_plots, plots
+from trajopt.results.pictures import error_plots, mesh_plots, plots
 from trajopt.results.pictures.style import DPI, Numbers, drawn_by_us
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -146,7 +146,7 @@ def test_unsolved_result_says_so(solved):
 
 def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):
     result = read(solved("cartpole"))
-    figure = plots.error_figure(result, ("q1", "v2"))
+    figure = error_plots.error_figure(result, ("q1", "v2"))
     assert titles(figure) == ["ε of q1 [m/s]", "η of q1 [m]", "ε of v2 [rad/s²]", "η of v2 [rad/s]"]
     left, right = figure.axes[:2]
     assert left.get_lines()[0].get_ydata() == pytest.approx(result.phases[0].epsilon["q1"].dense)
