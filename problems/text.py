@@ -56,7 +56,7 @@ def with_bar(value: float, bar: float) -> tuple[str, str]:
     rounding has moved the value: what the two say together is never more than what is known.
     """
     place = floor(log10(bar))
-    first = floor(log10(abs(value))) if value else place
+    first = floor(log10(abs(value))) if value else 0
     digits = min(max(first - place + 1, FEWEST), MOST)
     fixed = -5 <= first < 15
     shown = f"{value:.{max(digits - 1 - first, 0)}f}" if fixed else f"{value:.{digits - 1}e}"

@@ -59,7 +59,7 @@ def _objective(summary: dict[str, Any]) -> str:
 
 
 def _optimum(summary: dict[str, Any]) -> Iterator[str]:
-    """What else is known about the optimum: a better value where the bar's digit shows the difference, or why no bar."""
+    """What else is known: a better value, where the digits of the bar show the difference; or why there is no bar."""
     objective, bar, better = (summary[key] for key in ("objective", "objective_error", "objective_corrected"))
     if bar is None:
         yield f"no error bar: {summary['objective_error_missing']}"

@@ -43,8 +43,8 @@ def draw_history(
     ax: the axes to draw on.
     label: their title.
     values: of the meshes in turn.
-    bars: how far each value is off, at most, NaN where that is not known; empty for none. All but the smallest may leave
-        the axes: the first is often far larger than all that changes after it.
+    bars: how far each value is off, at most, NaN where that is not known; empty for none. All but the smallest may
+        leave the axes: the first is often far larger than all that changes after it.
     logarithmic: whether the axis is so, if all values are positive and the largest is over five times the smallest.
     """
     numbers, finite = range(1, len(values) + 1), np.array(values)[np.isfinite(values)]

@@ -23,8 +23,8 @@ LARGEST_ERROR = 1e-2
 class MeshRecord:
     """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part.
 
-    objective_error: |J - J*| is at most that, NaN where there is no error bar. objective_corrected: the better value, NaN
-    with the bar.
+    objective_error: |J - J*| is at most that, NaN where there is no error bar. objective_corrected: the better value,
+    NaN with the bar.
     """
 
     mesh: Mesh
