@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
+from decimal import ROUND_UP, Context
 from enum import Enum
+from math import floor, log10
 from typing import TypeVar
 from unicodedata import category
 
@@ -13,6 +16,9 @@ T = TypeVar("T")
 
 SAMPLED = 100
 """Items of a long container that are looked at for a repr."""
+
+FEWEST, MOST = 4, 10
+"""Significant digits of a value with an error bar."""
 
 
 def tidy(text: str) -> str:
@@ -38,6 +44,25 @@ def shorten(text: str, limit: int = 80) -> str:
 def brief(word: str | int) -> str:
     """A word of the user's on one short line, for messages."""
     return shorten(tidy(str(word)), 40)
+
+
+def with_bar(value: float, bar: float) -> tuple[str, str]:
+    """A value with the digits that its error bar supports, and the bar with one: ("58.80767", "3e-8").
+
+    value: finite.
+    bar: positive and finite.
+
+    The value's last digit stands where the bar's is, within FEWEST and MOST digits. The bar is rounded up, with what
+    rounding has moved the value: what the two say together is never more than what is known.
+    """
+    place = floor(log10(bar))
+    first = floor(log10(abs(value))) if value else 0
+    digits = min(max(first - place + 1, FEWEST), MOST)
+    fixed = -5 <= first < 15
+    shown = f"{value:.{max(digits - 1 - first, 0)}f}" if fixed else f"{value:.{digits - 1}e}"
+    reach = f"{bar + abs(float(shown) - value):.6e}"  # six digits: 3e-8 is a little more than that in binary
+    up = float(Context(prec=1, rounding=ROUND_UP).create_decimal(reach))
+    return shown, re.sub(r"e([+-])0", r"e\1", f"{up:g}")
 
 
 def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:

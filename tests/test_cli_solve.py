@@ -26,10 +26,9 @@ def test_the_table(folder):
     title, *lines = result.stdout.splitlines()
     assert title == "cart-pole swing-up: solved"
     fields = dict(line.split(maxsplit=1) for line in lines)
-    assert list(fields) == ["objective", "error", "optimum", "bounds", "mesh", "iterations", "seconds", "file"]
-    assert fields["objective"] == "58.80542547  (minimize); agrees with the reference 58.805425"
+    assert list(fields) == ["objective", "error", "bounds", "mesh", "iterations", "seconds", "file"]
+    assert fields["objective"] == "58.81 +- 0.4  (minimize); agrees with the reference 58.805425"
     assert fields["error"].startswith("relative 1.38e-03; max eta 1.27e-02, in v2 on segment 11, t = 0.8 to 0.88")
-    assert fields["optimum"] == "58.81 +- 3.3e-01"
     parts = re.fullmatch(r"[\d.]+  \((.*)\)", fields["seconds"])[1]
     names = [part.rsplit(" ", 1)[0] for part in parts.split(", ")]
     assert names == ["build", "differentiate", "compile", "assemble", "evaluate", "linear algebra", "error"]
@@ -187,12 +186,14 @@ def test_names_with_line_breaks_stay_on_one_line():
 @pytest.mark.parametrize(
     ("problem", "says"),
     [
-        ("pendulum", "no error bar: finite differences have no costates"),
-        ("block_move_min_force", "12.00000000000 +- 1.3e-10"),
+        ("pendulum", "optimum     no error bar: finite differences have no costates"),
+        ("block_move_min_force", "objective   12.00000000 +- 2e-10  (minimize)"),
+        ("van_der_pol", "objective   2.86725 +- 9e-5  (minimize)"),
+        ("van_der_pol", "optimum     nearer to 2.86726: the objective with the estimate of its error added"),
     ],
 )
 def test_the_error_bar_of_the_objective(problem, says):
-    assert f"\noptimum     {says}\n" in trajopt("solve", problem).stdout
+    assert f"\n{says}" in trajopt("solve", problem).stdout
     summary = json.loads(trajopt("show", f"{problem}.h5", "--json").stdout)
     assert (summary["objective_error"] is None) == bool(summary["objective_error_missing"])
 
@@ -200,7 +201,40 @@ def test_the_error_bar_of_the_objective(problem, says):
 def test_a_failed_solve_has_no_error_bar():
     summary = json.loads(trajopt("solve", "cartpole", "--set", "solver.max_iter=2", "--json").stdout)
     assert summary["objective_error"] is None and summary["objective_error_missing"] == "the point is not optimal"
-    assert "optimum" not in trajopt("show", "cartpole.h5").stdout
+    assert [mesh["objective_error"] for mesh in summary["meshes"]] == [None]
+    shown = trajopt("show", "cartpole.h5").stdout
+    assert "\noptimum     no error bar: the point is not optimal\n" in shown and " +- " not in shown.split("phase")[0]
+
+
+def test_every_mesh_of_the_history_has_its_error_bar():
+    """In --json and HDF5, and in the table of `show`, whose column is empty where there is none."""
+    meshes = json.loads(trajopt("solve", "cartpole", "--refine", "1e-5", "--json").stdout)["meshes"]
+    bars = [mesh["objective_error"] for mesh in meshes]
+    assert len(meshes) > 1 and bars[-1] < bars[0]
+    for k, mesh in enumerate(meshes):
+        assert abs(mesh["objective"] - 58.80766746) <= mesh["objective_error"]
+        assert abs(mesh["objective"] - mesh["objective_corrected"]) <= mesh["objective_error"]
+        with h5py.File("cartpole.h5") as file:
+            stored = file[f"mesh/{k}"].attrs
+            assert (stored["objective_error"], stored["objective_corrected"]) == (bars[k], mesh["objective_corrected"])
+    table = trajopt("show", "cartpole.h5").stdout.splitlines()[-len(bars) - 1 :]
+    assert [row.split()[5] for row in table[1:]] == [f"{bar:.1e}" for bar in bars]
+    assert table[0].split()[:5] == ["method", "segments", "status", "objective", "+-"]
+
+
+def test_results_of_older_versions_have_no_error_bar():
+    assert trajopt("solve", "van_der_pol", "-q").exit_code == 0
+    with h5py.File("van_der_pol.h5", "a") as file:
+        del file["phase/main/error/objective"]
+        for group in (file, *file["mesh"].values()):
+            for name in [name for name in group.attrs if name.startswith("objective_")]:
+                del group.attrs[name]
+    shown = trajopt("show", "van_der_pol.h5")
+    assert "\noptimum     no error bar: an older version wrote this result\n" in shown.stdout
+    meshes = json.loads(trajopt("show", "van_der_pol.h5", "--json").stdout)["meshes"]
+    assert [mesh["objective_corrected"] for mesh in meshes] == [None, None]
+    assert trajopt("plot", "van_der_pol.h5", "--error", "--mesh").exit_code == 0
+    assert trajopt("verify", "van_der_pol.h5").exit_code == 0
 
 
 def test_a_solve_may_draw_its_result(folder):

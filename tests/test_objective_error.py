@@ -9,12 +9,14 @@ from exact import GROWTH_OBJECTIVE, fixed, growth
 from named import problem_named
 
 from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.text import with_bar
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solution.hamiltonian import Constrained, minimise
 from trajopt.transcription.solution.multipliers import Multipliers
 from trajopt.transcription.solution.objective_error import ROUNDING, objective_error
+from trajopt.transcription.solve import solve
 
 
 def solved(problem: Problem, method: str, segments: int, tolerance: float = 1e-10, **how):
@@ -150,6 +152,34 @@ def test_what_the_barrier_leaves_is_in_correction_and_bar():
         assert error > 1e-8
         assert abs(error + estimate.correction) < 1e-2 * error
         assert error <= estimate.bar < 5 * error
+
+
+def test_each_mesh_of_the_history_has_its_bar():
+    solution = solve(growth(), [Step("trapezoid", 4, 1e-8), Step("trapezoid", 8, 1e-8)], Settings())
+    for mesh in solution.meshes:
+        assert abs(mesh.objective - GROWTH_OBJECTIVE) <= mesh.objective_error
+        assert abs(mesh.objective_corrected - GROWTH_OBJECTIVE) < 0.1 * abs(mesh.objective - GROWTH_OBJECTIVE)
+    last, error = solution.meshes[-1], solution.objective_error
+    assert (last.objective_error, last.objective_corrected) == (error.bar, last.objective + error.correction)
+
+
+@pytest.mark.parametrize(
+    ("value", "bar", "shown"),
+    [
+        (58.807667463, 2.4e-8, ("58.80766746", "3e-8")),
+        (58.80542547, 0.33, ("58.81", "0.4")),  # no less than four digits
+        (58.80542547, 0.397, ("58.81", "0.5")),  # rounding the value took it out of reach of 0.4
+        (37.598136921234, 4e-13, ("37.59813692", "2e-9")),  # no more than ten
+        (12.0, 3e-8, ("12.00000000", "3e-8")),
+        (9.99999, 0.6, ("10.000", "0.7")),
+        (-1.5e-7, 2e-11, ("-1.5000e-07", "2e-11")),
+        (5.3, 1e3, ("5.300", "1000")),
+        (0.0, 1e-11, ("0.000000000", "1e-11")),
+    ],
+)
+def test_a_value_is_written_with_the_digits_that_its_bar_supports(value, bar, shown):
+    assert with_bar(value, bar) == shown
+    assert abs(float(shown[0]) - value) + bar <= float(shown[1]) * (1 + 1e-6)
 
 
 # -- where it does not apply ---------------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.error import ErrorProfile, error_profile
 from .solution.multipliers import Multipliers
+from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
 from .transcribe import compiled, transcribe, with_costates
@@ -136,10 +137,13 @@ def _measured(
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
+    bar = objective_error(transcription, nlp, outcome, phases)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
-    record = _record(mesh, tolerance, objective, errors, nlp, outcome, seconds)
-    solution = Solution(problem, outcome.status, objective, phases, errors, (record,), outcome, violations, trouble)
+    record = _record(mesh, tolerance, objective, bar, errors, nlp, outcome, seconds)
+    solution = Solution(
+        problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
+    )
     return solution, Solved(transcription, nlp, outcome, phases)
 
 
@@ -204,6 +208,7 @@ def _record(
     mesh: Mesh,
     tolerance: float,
     objective: float,
+    bar: ObjectiveError,
     errors: Sequence[ErrorProfile],
     nlp: NonlinearProgram,
     outcome: Outcome,
@@ -214,6 +219,8 @@ def _record(
         tolerance=tolerance,
         status=outcome.status,
         objective=objective,
+        objective_error=bar.bar,
+        objective_corrected=objective + bar.correction,
         max_eta=max(error.max_eta for error in errors),
         relative_error=max(float(error.relative.max()) for error in errors),
         iterations=max(len(outcome.iterations["iteration"]) - 1, 0),

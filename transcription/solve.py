@@ -20,9 +20,9 @@ from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
-from .solution.objective_error import objective_error
 from .solution.solution import MeshRecord, Solution
 from .transcribe import refused
+from .warm import Solved
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -39,6 +39,9 @@ GAP_SHARE = 1e-3
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
+
+Found = tuple[Solution, Solved]
+"""A solution, and what the next solve starts from."""
 
 
 def planned(problem: Problem | Sequence[Problem], schedule: Sequence[Step]) -> list[Planned]:
@@ -89,8 +92,8 @@ def solve(
     notes: tuple[str, ...] = ()
     start, good, limit = Origin(guess, None), None, _Limit(settings.seconds, stop)
     for number in count():
-        own_solve = solve_mesh if number else solve_first_mesh
-        solution, solved = own_solve(*steps[number], settings, start, Watch(progress, limit.reached, len(history)))
+        own_solve, watch = solve_mesh if number else solve_first_mesh, Watch(progress, limit.reached, len(history))
+        solution, solved = own_solve(*steps[number], settings, start, watch)
         notes += solution.notes
         solution = limit.told(solution)
         own = steps[number][0] is steps[number - 1][0]
@@ -98,6 +101,12 @@ def solve(
             stopped = _why_stopped(solution.meshes[-1])
             solution, solved = good
             break
+        if good and own and number >= len(schedule) and left_basin(good[0], solution):
+            (solution, solved), words = _again(steps[number], good, (solution, solved), settings, start, watch)
+            notes += (words,)
+            if solution is good[0]:
+                stopped = words
+                break
         history.extend(solution.meshes)
         if not solution.status.usable:
             unmet = ()  # they are of the mesh before
@@ -110,7 +119,7 @@ def solve(
                 break
             merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
             exact = min(schedule[-1].tolerance, _asked(settings.refine))  # what is looser shows in the error
-            goal = Goal(settings.refine.objective, solution, solved) if settings.refine.objective else None
+            goal = Goal(settings.refine.objective, solution) if settings.refine.objective else None
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left, goal)
             stopped = goal.unreachable if goal and not unmet and not more else ""
             steps += more
@@ -122,15 +131,10 @@ def solve(
             )
             break
     gap = _gap(settings.refine, solution.objective)
-    solution, solved = tightened((solution, solved), settings, gap, Watch(progress, limit.reached, len(history)))
-    history[-1] = solution.meshes[-1]
-    began = time.perf_counter()
-    error = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
-    last = history[-1]
-    seconds = {**last.seconds, "error": last.seconds["error"] + time.perf_counter() - began}
-    meshes = (*history[:-1], replace(last, seconds=seconds))
+    solution, _ = tightened((solution, solved), settings, gap, Watch(progress, limit.reached, len(history)))
+    meshes = (*history[:-1], solution.meshes[-1])
     solution = replace(solution, meshes=meshes, unmet=unmet, stopped=stopped, notes=notes)
-    return replace(solution, accept=settings.accept, objective_error=error)
+    return replace(solution, accept=settings.accept)
 
 
 class _Limit:
@@ -157,6 +161,32 @@ def _why_stopped(mesh: MeshRecord) -> str:
     """Why a mesh that was not solved has no solution."""
     what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
     return f"the next mesh, of {mesh.mesh.segments} segments, {what}"
+
+
+def left_basin(before: Solution, after: Solution) -> bool:
+    """Whether the objective of a finer mesh is worse than that of the mesh before by more than both error bars.
+
+    Then it belongs to another optimum: on one and the same, both bars hold the exact value.
+    """
+    if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
+        return False
+    worse = before.problem.sense * (after.objective - before.objective)
+    return worse > before.objective_error.bar + after.objective_error.bar
+
+
+def _again(
+    step: Planned, before: Found, left: Found, settings: Settings, start: Origin, watch: Watch
+) -> tuple[Found, str]:
+    """A mesh whose solve left the basin, solved without the multipliers of the mesh before; and what was done.
+
+    If that leads to no better point, what stood before is given back.
+    """
+    found = solve_mesh(*step, settings, Origin(start.guess, None), watch)
+    segments = left[0].meshes[-1].mesh.segments
+    told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
+    if found[0].status.usable and not left_basin(before[0], found[0]):
+        return found, f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}"
+    return before, f"{told}, which is worse than {before[0].objective:.8g} by more than both error bars"
 
 
 def _unmeasurable(solution: Solution) -> str:

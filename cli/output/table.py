@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from ...problems.text import with_bar
 from ...results.file.summary import causes
 from .printing import cell, print_field, print_table, print_title
 
@@ -31,10 +32,10 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield from zip(("relax", *["or"] * (len(relief) - 1)), relief, strict=True) if relief else ()
         yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
         yield "remedy", summary["remedy"]
-    yield "objective", f"{_number(summary['objective'], 10)}  ({summary['sense']}){_reference(summary)}"
+    yield "objective", f"{_objective(summary)}  ({summary['sense']}){_reference(summary)}"
+    yield from (("optimum", text) for text in _optimum(summary))
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])
     if summary["solved"]:
-        yield "optimum", _optimum(summary)
         yield "bounds", _bounds(summary["overshoot"])
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
@@ -55,13 +56,21 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "file", summary["file"]
 
 
-def _optimum(summary: dict[str, Any]) -> str:
-    """The objective with its error bar, and as many digits as the bar supports."""
+def _objective(summary: dict[str, Any]) -> str:
+    """The objective with its error bar, and as many digits as that supports; without one, ten."""
     bar = summary["objective_error"]
+    return _number(summary["objective"], 10) if bar is None else " +- ".join(with_bar(summary["objective"], bar))
+
+
+def _optimum(summary: dict[str, Any]) -> Iterator[str]:
+    """What else is known: a better value, where the digits of the bar show the difference; or why there is no bar."""
+    objective, bar, better = (summary[key] for key in ("objective", "objective_error", "objective_corrected"))
     if bar is None:
-        return f"no error bar: {summary['objective_error_missing']}"
-    decimals = min(max(1 - math.floor(math.log10(bar)), 0), 15)
-    return f"{summary['objective']:.{decimals}f} +- {bar:.1e}"
+        yield f"no error bar: {summary['objective_error_missing']}"
+        return
+    last_digit = 10.0 ** math.floor(math.log10(float(with_bar(objective, bar)[1])))
+    if abs(better - objective) > last_digit:
+        yield f"nearer to {with_bar(better, bar)[0]}: the objective with the estimate of its error added"
 
 
 def _bounds(overshoot: dict[str, Any] | None) -> str:
@@ -101,7 +110,7 @@ def print_details(summary: dict[str, Any]) -> None:
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
     print()
-    columns = ("", "method", "segments", "status", "objective", "max eta", "error", "iterations", "seconds")
+    columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
     right = [column for column in columns if column not in ("method", "status")]
     print_table(columns, [_mesh_row(mesh) for mesh in summary["meshes"]], right)
 
@@ -127,6 +136,7 @@ def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:
         str(mesh["segments"]),
         mesh["status"],
         _number(mesh["objective"], 10),
+        cell(mesh["objective_error"], ".1e"),
         _eta(mesh["max_eta"]),
         _eta(mesh["relative_error"]),
         str(mesh["iterations"]),

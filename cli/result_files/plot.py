@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from ...results.file.read import Result
 
 Only = Annotated[str, typer.Option("--only", metavar="NAME,NAME", help="Draw these names only, with their costates.")]
-Errors = Annotated[bool, typer.Option("--error", help="Draw epsilon over time and eta of each segment.")]
+Errors = Annotated[
+    bool, typer.Option("--error", help="Draw epsilon over time, eta of each segment and its part of the error bar.")
+]
 Meshes = Annotated[bool, typer.Option("--mesh", help="Draw the history of the meshes.")]
 NoBounds = Annotated[bool, typer.Option("--no-bounds", help="Leave the bounds out.")]
 
@@ -82,8 +84,9 @@ def _ending(kind: str) -> str:
 
 
 def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) -> Figure:
+    from ...results.pictures.error_plots import error_figure
     from ...results.pictures.mesh_plots import mesh_figure
-    from ...results.pictures.plots import error_figure, trajectory_figure
+    from ...results.pictures.plots import trajectory_figure
 
     if kind == "trajectory":
         return trajectory_figure(result, {} if no_bounds else _bounds(result), names)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import ArrayLike
+
+NO_BAR_YET = "an older version wrote this result"
+"""Why there is no error bar of the objective, in a result that does not tell."""
 
 
 def texts(texts: Iterable[str]) -> np.ndarray:
@@ -52,6 +56,11 @@ def array_of(
     for axis, scale in enumerate(scales):
         dataset.dims[axis].attach_scale(scale)
     return dataset
+
+
+def bar_of(attributes: Mapping[str, Any]) -> dict[str, float]:
+    """The attributes objective_error and objective_corrected of a result or of a mesh; NaN where there is no bar."""
+    return {key: float(attributes.get(key, np.nan)) for key in ("objective_error", "objective_corrected")}
 
 
 def unit_of(dataset: h5py.Dataset) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Phase, Problem, Range
 from ...problems.text import short_repr
-from .arrays import unit_of
+from .arrays import NO_BAR_YET, bar_of, unit_of
 from .write import open_result
 
 CURVE_KINDS = ("state", "control", "algebraic", "costate")
@@ -39,6 +39,8 @@ class PhaseCurves:
     time: (K,) of the points, dense_time: (M,), knots: (N + 1,) times of the segments' edges, all in `time_unit`.
     curves: kind ("state", "control", "algebraic", "costate") -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
+    relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
+    objective; empty where there is none.
     """
 
     name: str
@@ -50,6 +52,8 @@ class PhaseCurves:
     epsilon: Mapping[str, Curve]
     eta: Mapping[str, np.ndarray]
     parameters: Mapping[str, float]
+    relative: np.ndarray = field(default_factory=lambda: np.empty(0))
+    shares: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     @property
     def at_knot(self) -> np.ndarray:
@@ -70,25 +74,34 @@ class PhaseCurves:
 @short_repr
 @dataclass(frozen=True)
 class StoredMesh:
-    """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave."""
+    """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave.
+
+    objective_error: the error bar of the objective, NaN where there is none.
+    """
 
     method: str
     edges: np.ndarray
     unknowns: int
     objective: float
+    objective_error: float
     max_eta: float
 
 
 @short_repr
 @dataclass(frozen=True)
 class Result:
-    """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data."""
+    """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data.
+
+    objective_error: the error bar of the objective, NaN where there is none; `objective_error_missing` then says why.
+    """
 
     path: Path
     problem: str
     solved: bool
     message: str
     objective: float
+    objective_error: float
+    objective_error_missing: str
     phases: tuple[PhaseCurves, ...]
     meshes: tuple[StoredMesh, ...]
     spec: Mapping[str, Any] = field(repr=False)
@@ -131,6 +144,8 @@ def read(path: Path) -> Result:
             solved=bool(file.attrs["solved"]),
             message=str(file.attrs["message"]),
             objective=float(file.attrs["objective"]),
+            objective_error=bar_of(file.attrs)["objective_error"],
+            objective_error_missing=str(file.attrs.get("objective_error_missing", NO_BAR_YET)),
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=json.loads(file["spec/full"].asstr()[()]),
@@ -156,7 +171,7 @@ def _ranges(phase: Phase) -> dict[str, Range]:
 
 def _phase(name: str, group: h5py.Group) -> PhaseCurves:
     points, dense, time = group["points"], group["dense"], group["points/time"]
-    eta = group["error/eta"][:]
+    eta, empty = group["error/eta"][:], np.empty(0)
     return PhaseCurves(
         name=name,
         time_unit=unit_of(time),
@@ -167,6 +182,8 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
         epsilon={state: Curve(unit_of(d), np.empty(0), d[:]) for state, d in dense.get("epsilon", {}).items()},
         eta={state: eta[:, i] for i, state in enumerate(group["error/state"].asstr()[:])},
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
+        relative=group["error"].get("relative", empty)[:],
+        shares=group["error"].get("objective", empty)[:],
     )
 
 
@@ -177,5 +194,10 @@ def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset
 def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
-        str(a["method"]), group["edges"][:], int(a["unknowns"]), float(a["objective"]), float(a["max_eta"])
+        method=str(a["method"]),
+        edges=group["edges"][:],
+        unknowns=int(a["unknowns"]),
+        objective=float(a["objective"]),
+        objective_error=bar_of(a)["objective_error"],
+        max_eta=float(a["max_eta"]),
     )

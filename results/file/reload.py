@@ -21,6 +21,7 @@ from ...transcription.schemes.table import find
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
 from ...transcription.transcribe import compiled, transcribe, with_costates
+from .arrays import bar_of
 from .write import open_result
 
 
@@ -66,6 +67,7 @@ def _record(group: h5py.Group) -> MeshRecord:
         status=Status[told["status"].upper()],
         tolerance=float(told["tolerance"]),
         objective=float(told["objective"]),
+        **bar_of(told),
         max_eta=float(told["max_eta"]),
         relative_error=float(told["relative_error"]),
         iterations=int(told["iterations"]),

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ...transcription.solution.solution import inaccurate
-from .arrays import unit_of
+from .arrays import NO_BAR_YET, bar_of, unit_of
 from .write import open_result
 
 
@@ -34,9 +34,8 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "problem", "status", "solved", "message", "remedy", "trouble", "objective", "sense",
         "created", "command", "trajopt_version", "pyomo_version", "ipopt_version",
     )}  # fmt: skip
-    # Results of older versions have no error bar.
-    head |= {key: file.attrs.get(key, np.nan) for key in ("objective_error", "objective_corrected")}
-    head["objective_error_missing"] = file.attrs.get("objective_error_missing", "an older version wrote this result")
+    head |= bar_of(file.attrs)
+    head["objective_error_missing"] = file.attrs.get("objective_error_missing", NO_BAR_YET)
     solver = file["solver"].attrs
     seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
     meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]
@@ -65,7 +64,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
 def _attributes(mesh: h5py.Group) -> dict[str, Any]:
     plain = {key: value for key, value in mesh.attrs.items() if not key.startswith("seconds_")}
     seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
-    return {**plain, "seconds": seconds}
+    return {**plain, **bar_of(mesh.attrs), "seconds": seconds}
 
 
 def _reference(file: h5py.File) -> dict[str, Any] | None:

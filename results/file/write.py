@@ -17,7 +17,8 @@
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
-                               attributes: method, segments, tolerance, status, objective, max_eta, relative_error,
+                               attributes: method, segments, tolerance, status, objective, objective_error,
+                               objective_corrected (NaN where there is no bar), max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: engine, every option, seconds_<part> (over all meshes), violations,
@@ -223,6 +224,8 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
             "tolerance": record.tolerance,
             "status": record.status.name.lower(),
             "objective": record.objective,
+            "objective_error": record.objective_error,
+            "objective_corrected": record.objective_corrected,
             "max_eta": record.max_eta,
             "relative_error": record.relative_error,
             "iterations": record.iterations,

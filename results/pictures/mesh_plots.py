@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..file.read import Result
+from .error_plots import draw_no_bar
 from .plots import finish, set_times
-from .style import BLUE, LETTER, VERMILION, Frame, Numbers, look
+from .style import BLUE, GREY, LETTER, VERMILION, Frame, Numbers, look
 
 
 def draw_meshes(ax: Axes, result: Result) -> None:
@@ -34,16 +35,27 @@ def draw_meshes(ax: Axes, result: Result) -> None:
     set_times(ax, result.phases[:1])
 
 
-def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: bool = False) -> None:
-    """One number for each mesh, over the number of the mesh.
+def draw_history(
+    ax: Axes, label: str, values: Sequence[float], bars: Sequence[float] = (), *, logarithmic: bool = False
+) -> None:
+    """One number for each mesh, over the number of the mesh; a mesh where it is NaN is left out.
 
     ax: the axes to draw on.
     label: their title.
     values: of the meshes in turn.
+    bars: how far each value is off, at most, NaN where that is not known; empty for none. All but the smallest may
+        leave the axes: the first is often far larger than all that changes after it.
     logarithmic: whether the axis is so, if all values are positive and the largest is over five times the smallest.
     """
-    ax.plot(range(1, len(values) + 1), values, "o-", color=VERMILION, markersize=4)
-    if logarithmic and max(values) > 5 * min(values) > 0:
+    numbers, finite = range(1, len(values) + 1), np.array(values)[np.isfinite(values)]
+    ax.plot(numbers, values, "o-", color=VERMILION, markersize=4)
+    if np.isfinite(bars).any():
+        low, high = np.array(values) - bars, np.array(values) + bars
+        least = int(np.nanargmin(bars))
+        ax.update_datalim([(least + 1, low[least]), (least + 1, high[least])])
+        ax.set_ylim(ax.get_ylim())
+        ax.vlines(numbers, low, high, color=GREY, linewidth=1.2, zorder=1)
+    if logarithmic and len(finite) and finite.max() > 5 * finite.min() > 0:
         ax.set_yscale("log")
     else:
         ax.yaxis.set_major_formatter(Numbers())
@@ -54,15 +66,21 @@ def draw_history(ax: Axes, label: str, values: Sequence[float], logarithmic: boo
 
 
 def mesh_figure(result: Result) -> Figure:
-    """The history of refinement: edges of all meshes; unknowns, objective and largest eta by mesh."""
+    """The history of refinement: edges of all meshes; unknowns, objective, its error bar and largest eta by mesh."""
     meshes = result.meshes
+    bars = [mesh.objective_error for mesh in meshes]
     with look():
         longest = max(len(mesh.method) for mesh in meshes) + 10
         frame = Frame(left=longest * 0.9 * LETTER, bottom=0.55, down=0.75)
-        figure, grid = frame.figure([float(np.clip(0.32 * len(meshes), 0.6, 6.0)), 1.5], 3, 2.0)
+        figure, grid = frame.figure([float(np.clip(0.32 * len(meshes), 0.6, 6.0)), 1.5], 4, 2.0)
         draw_meshes(figure.add_subplot(grid[0, :]), result)
-        draw_history(figure.add_subplot(grid[1, 0]), "unknowns", [mesh.unknowns for mesh in meshes])
-        draw_history(figure.add_subplot(grid[1, 1]), "objective", [mesh.objective for mesh in meshes])
-        draw_history(figure.add_subplot(grid[1, 2]), "max η", [mesh.max_eta for mesh in meshes], logarithmic=True)
+        below = [figure.add_subplot(grid[1, column]) for column in range(4)]
+        draw_history(below[0], "unknowns", [mesh.unknowns for mesh in meshes])
+        draw_history(below[1], "objective", [mesh.objective for mesh in meshes], bars)
+        if np.isfinite(bars).any():
+            draw_history(below[2], "error bar of the objective", bars, logarithmic=True)
+        else:
+            draw_no_bar(below[2], result)
+        draw_history(below[3], "max η", [mesh.max_eta for mesh in meshes], logarithmic=True)
         finish(figure, result)
     return figure

@@ -1,4 +1,4 @@
-"""Figures of a result: trajectories and errors.
+"""Figures of a result: trajectories, and what every figure of a result has.
 
 The functions named draw_* draw on axes that they are given, so that figures of any layout can be made of them; those
 named *_figure lay out a whole figure. Curves are those of the file's dense grid, that is, of the method's own
@@ -14,18 +14,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import TOLERATED_EXCESS, Range
 from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
 from .style import (
     BLACK,
-    BLUE,
     GREY,
     KIND_COLOURS,
     LETTER,
-    ORANGE,
     VERMILION,
     Frame,
     Numbers,
@@ -65,7 +62,7 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         colour = KIND_COLOURS[kind]
         ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
         _draw_points(ax, phase, curve, colour)
-        _draw_mesh_marks(ax, phase.knots)
+        draw_mesh_marks(ax, phase.knots)
     extent = low, high = _extent([phase.curves[kind][name] for phase in phases])
     far = _draw_bounds(ax, phases, name, bounds if kind != "costate" else {}, extent)
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
@@ -99,7 +96,7 @@ def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> Non
         ax.plot(phase.time[~knot], curve.points[~knot], "D", label="point inside a segment", **inner, **style)
 
 
-def _draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
+def draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
     """Short strokes on the time axis, at the segments' edges."""
     style: dict[str, Any] = {"color": GREY, "linewidth": float(np.clip(50 / len(knots), 0.25, 0.6)), "zorder": 1}
     ax.vlines(knots, 0, 0.035, transform=ax.get_xaxis_transform(), label="segment edge", **style)
@@ -160,7 +157,7 @@ def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence
             for i, name in enumerate(names):
                 ax = figure.add_subplot(grid[row + i // columns, i % columns])
                 draw_curve(ax, result, kind, name, bounds)
-                _unlabel(lowest.get(i % columns))
+                unlabel(lowest.get(i % columns))
                 lowest[i % columns] = ax
             row += ceil(len(names) / columns)
         finish(figure, result)
@@ -168,7 +165,7 @@ def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence
     return figure
 
 
-def _unlabel(ax: Axes | None) -> None:
+def unlabel(ax: Axes | None) -> None:
     """Only the lowest panel of a column names the time axis."""
     if ax is not None:
         ax.set_xlabel("")
@@ -214,51 +211,6 @@ def _layout(result: Result, sections: Mapping[str, Sequence[str]]) -> tuple[int,
 
     columns = min(PANEL_WIDTH, key=badness)
     return columns, any("\n" in labelled(*label, PANEL_WIDTH[columns]) for label in labels)
-
-
-def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
-    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figures 11 and 15).
-
-    axes: left and right.
-    result: its phases are drawn one after the other.
-    state: the name of a state.
-    """
-    left, right = axes
-    phases = [phase for phase in result.phases if state in phase.epsilon]
-    for phase in phases:
-        left.plot(phase.dense_time, phase.epsilon[state].dense, color=BLUE, linewidth=1.0, label="epsilon")
-        _draw_mesh_marks(left, phase.knots)
-    left.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
-    left.set_title(labelled(f"ε of {state}", phases[0].epsilon[state].unit), loc="left")
-    left.yaxis.set_major_formatter(Numbers())
-    set_times(left, phases)
-    eta = np.concatenate([phase.eta[state] for phase in phases])
-    right.stairs(eta, np.arange(len(eta) + 1) + 0.5, fill=True, color=ORANGE, edgecolor=BLACK, linewidth=0.4)
-    note = f"max {np.nanmax(eta):.2g} in segment {np.nanargmax(eta) + 1}" if np.isfinite(eta).any() else "not finite"
-    set_title(right, labelled(f"η of {state}", phases[0].curves["state"][state].unit), note)
-    right.set_xlim(0.5, len(eta) + 0.5)
-    right.set_ylim(bottom=0)
-    right.yaxis.set_major_formatter(Numbers())
-    right.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-    right.set_xlabel("segment")
-
-
-def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:
-    """One row for each state: epsilon over time, and eta by segment. Raises SpecError as `trajectory_figure`."""
-    states = [name for name in result.states if not only or name in only]
-    if not states:
-        raise SpecError(Mistake("--only", "none of these names is a state", "give " + ", ".join(result.states[:30])))
-    check_panels(result, 2 * len(states))
-    with look():
-        figure, grid = Frame(top=1.0, bottom=0.55).figure([PANEL_HEIGHT] * len(states), 2, PANEL_WIDTH[2])
-        for row, state in enumerate(states):
-            pair = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
-            draw_error(pair, result, state)
-            if row < len(states) - 1:
-                _unlabel(pair[0])
-                _unlabel(pair[1])
-        finish(figure, result, "ε = dx/dt − f, η = integral of |ε| over a segment")
-    return figure
 
 
 def finish(figure: Figure, result: Result, *notes: str) -> None:

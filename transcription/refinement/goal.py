@@ -7,15 +7,13 @@ width than eta does (the bar is a residual times the error of a costate), so tha
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ...problems.text import short_repr
 from ..solution.error import ErrorProfile
-from ..solution.objective_error import ObjectiveError, objective_error
+from ..solution.objective_error import ObjectiveError
 from ..solution.solution import Solution
-from ..warm import Solved
 
 
 @short_repr
@@ -25,12 +23,10 @@ class Goal:
 
     tolerance: float
     solution: Solution
-    solved: Solved
 
-    @cached_property
+    @property
     def error(self) -> ObjectiveError:
-        own = self.solved
-        return objective_error(own.transcription, own.nlp, own.outcome, own.trajectories)
+        return self.solution.objective_error
 
     @property
     def size(self) -> float:

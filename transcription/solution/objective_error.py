@@ -88,7 +88,7 @@ def objective_error(
 ) -> ObjectiveError:
     """The error of the objective of an outcome.
 
-    transcription: of the problem on the last mesh.
+    transcription: of the problem on the mesh that was solved.
     nlp: its compiled program.
     outcome: its solution, with multipliers.
     trajectories: one for each phase, read from the outcome, with costates (see `costate`).

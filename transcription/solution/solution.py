@@ -17,18 +17,22 @@ from .violation import Violation
 LARGEST_ERROR = 1e-2
 """Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
 
-NOT_MEASURED = ObjectiveError(why_not="this mesh is not the last")
-
 
 @short_repr
 @dataclass(frozen=True)
 class MeshRecord:
-    """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part."""
+    """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part.
+
+    objective_error: |J - J*| is at most that, NaN where there is no error bar. objective_corrected: the better value,
+    NaN with the bar.
+    """
 
     mesh: Mesh
     tolerance: float
     status: Status
     objective: float
+    objective_error: float
+    objective_corrected: float
     max_eta: float
     relative_error: float
     iterations: int
@@ -55,12 +59,12 @@ class Solution:
     errors: tuple[ErrorProfile, ...]
     meshes: tuple[MeshRecord, ...]
     outcome: Outcome
+    objective_error: ObjectiveError
     violations: tuple[Violation, ...] = ()
     trouble: str = ""
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
     stopped: str = ""
-    objective_error: ObjectiveError = NOT_MEASURED
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
 

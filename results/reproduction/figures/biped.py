@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from ....problems.models.five_link_biped import LINKS, Motion, Walker, combine
 from ...pictures.animate import stop_action
-from ...pictures.plots import draw_error
+from ...pictures.error_plots import draw_error
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION
 from .example import Example, Picture, Run, Solutions, SolvedRun, draw, grid, largest, name_time, objectives, peak
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...pictures.animate import stop_action
-from ...pictures.plots import draw_error
+from ...pictures.error_plots import draw_error
 from .example import Example, Picture, Run, Solutions, draw, grid, largest, name_time, objectives, peak
 
 HS, TRAPEZOID = "Hermite-Simpson", "trapezoid"

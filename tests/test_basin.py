@@ -1,0 +1,62 @@
+"""Refinement does not leave the basin of an optimum for a worse one without a word."""
+
+from dataclasses import replace
+
+import pytest
+
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.solve import left_basin, solve
+
+TWO_OPTIMA = """\
+trajopt: 1
+name: two ways round a post
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 1}, y: {rate: v, initial: 0, final: 0}}
+controls: {u: {}, v: {}}
+objective: {minimize: {integral: u**2 + v**2}}
+constraints: {path: [{name: post, expression: (x - 0.5)**2 + (y - 0.05)**2, lower: 0.04}]}
+guess: {keyframes: {x: [0, 0.5, 1], y: [0, SIDE, 0]}}
+"""
+
+
+@pytest.fixture(scope="module")
+def ways():
+    """The short way below the post, and the long one above it."""
+    found = []
+    for side in ("-0.3", "0.4"):
+        spec = load_text(TWO_OPTIMA.replace("SIDE", side), "x.yaml")
+        found.append(solve(build(spec), steps(spec.mesh), settings_of(spec)))
+    return found
+
+
+def test_the_two_ways_are_two_optima(ways):
+    below, above = ways
+    assert below.solved and above.solved
+    assert above.objective > below.objective + below.objective_error.bar + above.objective_error.bar
+
+
+def test_a_worse_optimum_is_another_basin(ways):
+    below, above = ways
+    assert left_basin(below, above)
+    assert not left_basin(above, below)  # a better one is welcome
+    assert not left_basin(below, below)
+
+
+def test_for_a_maximum_the_smaller_one_is_worse(ways):
+    below, above = (replace(own, problem=replace(own.problem, sense=-1)) for own in ways)
+    assert left_basin(above, below) and not left_basin(below, above)
+
+
+def test_without_error_bars_nothing_is_claimed(ways):
+    below, above = ways
+    unknown = replace(above, objective_error=replace(above.objective_error, why_not="not measured"))
+    assert not left_basin(below, unknown)
+
+
+def test_refinement_on_one_optimum_does_not_move_against_its_bars(ways):
+    for way in ways:
+        for before, after in zip(way.meshes, way.meshes[1:], strict=False):
+            assert abs(after.objective - before.objective) <= before.objective_error + after.objective_error
+        assert not way.notes
