@@ -33,7 +33,7 @@ class Spec(Entry):
     tags: list[Tag] = Field(
         [],
         max_length=MAX_TAGS,
-        description="words such as minimum-time that say what kind of problem it is; `trajopt list --tag` looks for them",
+        description="words such as minimum-time: what kind of problem it is; `trajopt list --tag` looks for them",
     )
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
@@ -140,7 +140,9 @@ class Spec(Entry):
     def overrides(self) -> tuple[str, ...]:
         """The paths of the overrides that make another problem, or another mesh, of the file."""
         shown = dict.fromkeys(self._locations.overrides.values())
-        return tuple(path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note", "tags"))
+        return tuple(
+            path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note", "tags")
+        )
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
