@@ -12,6 +12,7 @@ from command_line import trajopt
 
 from trajopt.cli.app import app
 from trajopt.problems.catalog import shipped
+from trajopt.problems.load import load
 from trajopt.transcription.schemes.table import METHODS
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -45,6 +46,21 @@ def test_list():
     assert len(lines) == 1 + len(shipped())
     assert [line.split()[0] for line in lines[1:]] == list(shipped())
     assert all(line == line.rstrip() for line in lines)
+
+
+def test_list_by_tags():
+    """Those with all of the tags."""
+    rows = trajopt("list", "--tag", "minimum-time", "--tag", "robotics").stdout.splitlines()[1:]
+    fast = {name for name, path in shipped().items() if {"minimum-time", "robotics"} <= {*load(path).tags}}
+    assert {row.split()[0] for row in rows} == fast and "robot_arm" in fast
+    assert any("9.14091 " in row and " minimum-time, bang-bang," in row for row in rows)
+
+
+def test_an_unknown_tag_names_the_nearest():
+    result = trajopt("list", "--tag", "robotic")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == 'error: --tag: no shipped problem has the tag "robotic"; did you mean robotics?\n'
+    assert "the tags are aerospace, " in trajopt("list", "--tag", "zzz").stderr
 
 
 def test_methods():

@@ -4,6 +4,7 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
+from named import SLOW, SOLVED
 
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
@@ -48,14 +49,18 @@ def test_reference_value(name, method, segments, printed):
     assert solution.objective == pytest.approx(float(printed), rel=0, abs=half_a_unit * 1.001)
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", SOLVED)
 def test_every_shipped_problem_ends_as_its_file_says(name):
     spec, solution = run(name)
-    assert spec.reference is not None
+    assert spec.reference is not None and not solution.inaccurate
     assert solution.objective == pytest.approx(spec.reference.objective, rel=0, abs=spec.reference.tolerance)
 
 
-@pytest.mark.parametrize("name", shipped())
+def test_slow_problems_are_shipped():
+    assert set(shipped()) >= SLOW
+
+
+@pytest.mark.parametrize("name", [name for name, path in shipped().items() if "\nmesh:" in path.read_text()])
 def test_separated_and_compressed_form_are_one_method(name):
     """On one mesh: refinement would give the two forms meshes that differ by rounding, and grow from there."""
     _, separated = run(name, "refine=", f"mesh.*.method={HS}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from pydantic import (
@@ -27,6 +28,10 @@ from ..yaml.document import in_words, scalar
 MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
+MAX_TAG = 40  # letters
+MAX_TAGS = 100
+TAG = "[a-z0-9]+(-[a-z0-9]+)*"
+"""What a tag looks like, as a regular expression."""
 
 STORED = "stored"
 """Key of the context of validation that says: from a result, so checked when it was solved."""
@@ -81,6 +86,14 @@ def _text(value: Any, info: ValidationInfo) -> Any:
     ):
         raise mistake(f"the text holds the character {strange!a}, which cannot be printed", "remove it")
     return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+def _tag(value: Any) -> str:
+    if not isinstance(value, str) or not re.fullmatch(TAG, value):
+        raise mistake(f"this is no tag: {in_words(value)}", "write lowercase letters, digits and hyphens: minimum-time")
+    if len(value) > MAX_TAG:
+        raise mistake(f"the tag has {len(value)} letters", f"write at most {MAX_TAG}")
+    return value
 
 
 def _segments(value: Any) -> int | tuple[float, ...]:
@@ -140,6 +153,7 @@ Text = Annotated[str, Field(max_length=MAX_TEXT), BeforeValidator(_text)]
 # What the type checker is told is what the validators return; pydantic is told to take their word for it.
 if TYPE_CHECKING:
     Number = float
+    Tag = str
     Formula = Expression
     Option = int | float | str
     Widths = list[Expression]
@@ -148,6 +162,9 @@ if TYPE_CHECKING:
     Segments = int | tuple[float, ...]
 else:
     Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+    Tag = Annotated[
+        Any, PlainValidator(_tag), WithJsonSchema({"type": "string", "pattern": f"^{TAG}$", "maxLength": MAX_TAG})
+    ]
     Formula = Annotated[
         Any, PlainValidator(_formula), PlainSerializer(_plain), WithJsonSchema({"type": ["number", "string"]})
     ]

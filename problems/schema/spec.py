@@ -18,7 +18,7 @@ from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
-from .fields import Entry, Formula, Scaling, Text, mistake
+from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver
 
@@ -30,6 +30,11 @@ class Spec(Entry):
     name: Text = Field("", description="name of the problem; default the name of the file")
     source: Text = Field("", description="where the problem is stated")
     note: Text = Field("", description=NOTE)
+    tags: list[Tag] = Field(
+        [],
+        max_length=MAX_TAGS,
+        description="words such as minimum-time: what kind of problem it is; `trajopt list --tag` looks for them",
+    )
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
     )
@@ -97,6 +102,13 @@ class Spec(Entry):
             raise mistake(f"the version of the file format is {in_words(value)}, not 1", "write trajopt: 1")
         return 1
 
+    @field_validator("tags")
+    @classmethod
+    def _each_once(cls, value: list[str]) -> list[str]:
+        if twice := next((tag for i, tag in enumerate(value) if tag in value[:i]), None):
+            raise mistake(f'the tag "{brief(twice)}" is given twice', "remove one of them")
+        return value
+
     @field_validator("model")
     @classmethod
     def _known_model(cls, value: str) -> str:
@@ -128,7 +140,9 @@ class Spec(Entry):
     def overrides(self) -> tuple[str, ...]:
         """The paths of the overrides that make another problem, or another mesh, of the file."""
         shown = dict.fromkeys(self._locations.overrides.values())
-        return tuple(path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note"))
+        return tuple(
+            path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note", "tags")
+        )
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""

@@ -126,7 +126,7 @@ MODELS = [
         "",
         "parameters",
         "needs the parameter m5, mass of the swing tibia",
-        line=10,
+        line=11,
     ),
     model("a state that a model has not", "  q5: *angle\n", "  q6: *angle\n", "states.q6", "its states are q1, q2"),
     model(

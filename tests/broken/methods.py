@@ -86,7 +86,7 @@ SOLVERS = [
         "solver: {engine: newton}\nmodel: five_link_biped",
         "model",
         "the inequality foot_leaves_upwards",
-        line=10,
+        line=11,
     ),
     edit("a library", "max_iter: 100", "hsllib: ./evil.so", "solver.hsllib", "--set solver.hsllib=..."),
     edit("a library in capitals", "max_iter: 100", "HSLlib: ./evil.so", "solver.HSLlib", "data, never code"),

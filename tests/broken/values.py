@@ -36,6 +36,17 @@ KEYS = [
     edit(
         "a section of the future", "solver: {max_iter: 100}", "phases: []", "phases", "the keys here are trajopt, name"
     ),
+    *(
+        edit(f"{what} in tags", "parameters:", f"tags: {tags}\nparameters:", place, says)
+        for what, tags, place, says in (
+            ("capitals", "[Smooth]", "tags.0", 'this is no tag: the text "Smooth"; write lowercase letters'),
+            ("a space", "[stiff, free time]", "tags.1", 'this is no tag: the text "free time"'),
+            ("a number", "[3]", "tags.0", "this is no tag: the number 3"),
+            ("many letters", f"[{'a' * 41}]", "tags.0", "the tag has 41 letters; write at most 40"),
+            ("a word twice", "[stiff, stiff]", "tags", 'the tag "stiff" is given twice'),
+            ("no list", "smooth", "tags", "this must be a list"),
+        )
+    ),
     edit("a misspelt key", "rate: v,", "rates: v,", "states.x.rates", "did you mean rate?"),
     edit("no rate", "rate: v, ", "", "states.x", "rate is missing; add rate: an expression, or residuals:"),
     edit("no method", "method: hermite-simpson, ", "", "mesh.0.method", "collocation method"),
