@@ -27,12 +27,13 @@ from pathlib import Path
 import numpy as np
 
 from ..transcription.solution.error import error_profile
+from ..transcription.solution.objective_error import objective_error
 from .audit.check import Check
 from .audit.optimality import optimality
+from .audit.pontryagin import pontryagin
 from .audit.stored import stored
 from .audit.trajectory import between_points, held_control, simulation
 from .file.reload import reload
-from .file.summary import summarize
 
 
 @np.errstate(all="ignore")  # a result without finite values fails its checks, and needs no warnings beside
@@ -57,9 +58,11 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
             checks += optimality(result, number, tolerance)
         else:
             checks.append(Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates"))
-    if (bar := summarize(path)["objective_error"]) is not None:
-        relative = bar / (1 + abs(result.objective))
+    estimate = objective_error(result.transcription, result.nlp, result.outcome, result.trajectories)
+    if estimate.applies:
+        relative = estimate.bar / (1 + abs(result.objective))
         checks.append(Check("error bar of the objective, relative", relative, tolerance))
+    checks += pontryagin(result, estimate, tolerance)
     if (reference := result.spec.reference) and not result.overrides:
         difference = abs(result.objective - reference.objective)
         checks.append(
