@@ -31,6 +31,7 @@ from ..transcription.solution.objective_error import objective_error
 from .audit.check import Check
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
+from .audit.starts import starts
 from .audit.stored import stored
 from .audit.trajectory import between_points, held_control, simulation
 from .file.reload import reload
@@ -63,6 +64,7 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
         relative = estimate.bar / (1 + abs(result.objective))
         checks.append(Check("error bar of the objective, relative", relative, tolerance))
     checks += pontryagin(result, estimate, tolerance)
+    checks += starts(result, estimate, tolerance)
     if (reference := result.spec.reference) and not result.overrides:
         difference = abs(result.objective - reference.objective)
         checks.append(
