@@ -1,8 +1,9 @@
 """Whether the problem, solved anew from other first trajectories, has a better objective than the result.
 
-A result may meet every condition that is looked at along it, Pontryagin's at all controls too, and be the lesser of two
-optima. No check of the trajectory alone can tell; another solve can. It is done on a mesh of few points first, and counts
-if it is better by more than both error bars on the result's own mesh as well. That none is better proves nothing: it is no search of everything.
+A result may meet every condition that is looked at along it, Pontryagin's at all controls too, and be the lesser of
+two optima. No check of the trajectory alone can tell; another solve can. It is done on a mesh of few points first, and
+counts if it is better by more than both error bars on the result's own mesh as well. That none is better proves nothing:
+it is no search of everything.
 """
 
 from __future__ import annotations

@@ -46,9 +46,15 @@ def _renew(path: Path) -> None:
         for own in result.trajectories:
             group, n = file[f"phase/{own.phase.name}"], len(own.phase.controls)
             costate = None if own.costate is None else own.point_costate
-            for where, x, u, p in (("points", own.x, own.u, costate), ("dense", own.dense.x, own.dense.u, own.dense.costate)):
+            for where, x, u, p in (
+                ("points", own.x, own.u, costate),
+                ("dense", own.dense.x, own.dense.u, own.dense.costate),
+            ):
                 rows = [("state", own.phase.states, x), ("control", own.phase.controls, u[:n])]
-                rows += [("algebraic", own.phase.algebraic, u[n:]), *([("costate", own.phase.states, p)] if p is not None else [])]
+                rows += [
+                    ("algebraic", own.phase.algebraic, u[n:]),
+                    *([("costate", own.phase.states, p)] if p is not None else []),
+                ]
                 for kind, variables, values in rows:
                     for variable, curve in zip(variables, values, strict=True):
                         group[f"{where}/{kind}/{variable.name}"][...] = curve

@@ -155,7 +155,7 @@ def run(job: Job, folder: Path) -> Verdict:
     if not path.exists() and not why.exists():
         try:
             reason = store(job, path)
-        except Exception as error:  # noqa: BLE001  whatever it is, it is told
+        except Exception as error:
             reason = f"{type(error).__name__}: {error}"
         if reason:
             why.write_text(reason)
@@ -195,7 +195,9 @@ def report(verdicts: list[Verdict], verbose: bool) -> bool:
         print(*[f"{v.seconds:7.2f} s  {v.job.name}" for v in verdicts if not v.left_out], sep="\n")
     rate = len(alarms) / max(len(good), 1)
     met = rate <= WANTED_ALARMS and len(missed) <= WANTED_MISSES
-    print(f"\nfalse alarms: {len(alarms)} of {len(good)}, {100 * rate:.1f} % (wanted: at most {100 * WANTED_ALARMS:.0f} %)")
+    print(
+        f"\nfalse alarms: {len(alarms)} of {len(good)}, {100 * rate:.1f} % (wanted: at most {100 * WANTED_ALARMS:.0f} %)"
+    )
     print(f"misses: {len(missed)} of {bad} (wanted: {WANTED_MISSES}); {'met' if met else 'not met'}")
     return met
 
