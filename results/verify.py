@@ -11,6 +11,10 @@ Optimality    With lambda the costate and nu, kappa the multiplier functions of 
               changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on
               t. d2L/du2 has no negative eigenvalue for the controls inside their bounds, on the tangent of the
               constraints that act (Legendre's condition): a point that is stationary but no minimum fails here.
+Pontryagin    No other control within bounds and path constraints gives H a lower value, at any point: sampled, and the
+              best improved. What H is above the least, integrated, is within the claimed error of the objective.
+Starts        Solved anew from other starts, the problem has no better objective. An extremal may meet every condition
+              above and be the lesser of two optima; where the file's reference means that one, it does not count.
 Stored        The arrays that people read are those of the solver's point, which meets the constraints at the points,
               and the error bar of the objective is small.
 Constraints   Bounds and path constraints, on a grid between the collocation points; less strictly within a jump of a

@@ -15,6 +15,7 @@ SAMPLES = 64  # of the hypercube, for each control
 MOST_SAMPLES = 256
 CORNERS = 4  # controls at most, for their corners
 OTHER_TIMES = 16
+BEYOND = 3.0  # so that values of the other sign are among them
 SEED = 0
 STEPS = 30  # of Newton's method
 MET = 1e-10  # of 1 + |bound|, by what a constraint may be missed
@@ -23,14 +24,14 @@ DAMPING = 1e-12  # of the squared slopes: keeps the equations of a step solvable
 
 
 def box(u: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """Where to look for controls, shape (2, n): between the bounds, or as far beyond the trajectory as it is large.
+    """Where to look for controls, shape (2, n): between the bounds, or BEYOND times its size around the trajectory.
 
     u: the controls along the trajectory, shape (n, M).
     bounds: lower and upper, shape (2, n).
     """
     size = np.abs(u).max(axis=1)
     size = np.where(size > 0, size, 1.0)
-    around = np.array([u.min(axis=1) - size, u.max(axis=1) + size])
+    around = np.array([u.min(axis=1) - BEYOND * size, u.max(axis=1) + BEYOND * size])
     return np.where(np.isfinite(bounds), bounds, around)
 
 

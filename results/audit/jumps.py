@@ -41,8 +41,8 @@ def point_shares(trajectory: Trajectory, curves: np.ndarray) -> np.ndarray:
 
 def _spans(curves: np.ndarray) -> np.ndarray:
     """The range of each curve, shape (n,), or a small part of its size if it hardly varies."""
-    flat = curves.reshape(len(curves), -1)
-    return np.maximum(np.ptp(flat, axis=1), FLAT * (1 + np.abs(flat).max(axis=1)))
+    over_time = tuple(range(1, curves.ndim))
+    return np.maximum(np.ptp(curves, axis=over_time), FLAT * (1 + np.abs(curves).max(axis=over_time)))
 
 
 def _steep(trajectory: Trajectory, heights: np.ndarray, spans: np.ndarray) -> np.ndarray:

@@ -106,6 +106,7 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
         scale = _scale(hamiltonian, values, variable.name)
         unknown = _of_costates(hamiltonian, values, variable.name, blurred)
+        unknown += claimed / float(np.ptp(hamiltonian.trajectory.t)) / (1 + np.abs(values[variable.name]).max())
         gradient = np.sign(gradient) * np.where(np.abs(gradient) > unknown, np.abs(gradient) - unknown, 0 * gradient)
         residual = _natural_residual(gradient / scale, values[variable.name], variable.bounds)
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
@@ -222,8 +223,8 @@ def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
     u = values[name]
     step = SECOND_STEP * (1 + np.abs(u).max())
     up, down = (hamiltonian.derivative(hamiltonian.lagrangian, {**values, name: u + d}, name) for d in (step, -step))
-    sizes.append(np.nanmedian(np.abs(up - down)) / (2 * step) * np.abs(u).max())
-    return float(np.nanmax(sizes)) or 1.0
+    sizes.append(np.median(np.abs(up - down)) / (2 * step) * np.abs(u).max())
+    return float(np.max(sizes)) or 1.0
 
 
 def _of_arrays(function: Function, values: dict) -> np.ndarray:

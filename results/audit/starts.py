@@ -2,8 +2,8 @@
 
 A result may meet every condition that is looked at along it, Pontryagin's at all controls too, and be the lesser of
 two optima. No check of the trajectory alone can tell; another solve can. It is done on a mesh of few points first, and
-counts if it is better by more than both error bars on the result's own mesh as well. That none is better proves nothing:
-it is no search of everything.
+counts if it is better by more than both error bars on the result's own mesh as well. That none is better proves
+nothing: it is no search of everything.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .check import Check
 from .trajectory import between_points
 
 NAME = "no better objective from other starts, relative"
-POINTS = 40  # about: enough to tell one optimum from another
+POINTS = 100  # about: enough to tell one optimum from another
 MOST_ITERATIONS = 150
 TOLERANCE = 1e-8
 ROUNDING = 1e-8  # of 1 + |J|: what two engines' tolerances differ by
@@ -40,10 +40,12 @@ class _Found(NamedTuple):
     words: str = ""
     origin: Origin = Origin(None, None)  # for another mesh
     trajectories: tuple[Trajectory, ...] = ()
+    inaccurate: bool = False
 
-    def keeps_bounds(self, tolerance: float) -> bool:
-        """Whether bounds and path constraints hold between the points: what does not keep them may well be better."""
-        return all(check.passed for own in self.trajectories for check in between_points(own, tolerance))
+    def counts(self, tolerance: float) -> bool:
+        """Whether dynamics, bounds and constraints hold between the points: what breaks them may well be better."""
+        checks = [check for own in self.trajectories for check in between_points(own, tolerance)]
+        return not self.inaccurate and all(check.passed for check in checks)
 
 
 _NOTHING = _Found(0.0, 0.0)
@@ -71,7 +73,7 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
             origin = near.origin
         # What is better on a few points may be so by what they do not see: the result's own mesh decides.
         found = _from(result, estimate, mesh, origin, start.words)
-        if found and found.better - found.claimed > best.better - best.claimed and found.keeps_bounds(tolerance):
+        if found and found.better - found.claimed > best.better - best.claimed and found.counts(tolerance):
             best = found
     where = f"{best.objective:.7g} from {best.words}" if best.words else ""
     reference = result.spec.reference
@@ -94,7 +96,7 @@ def _from(result: Reloaded, estimate: ObjectiveError, mesh: Mesh, origin: Origin
     problem, settings = result.problem, Settings({"max_iter": MOST_ITERATIONS}, coarse_start=False)
     meshes = [mesh] * len(problem.phases)
     solution, solved = solve_mesh(problem, meshes, TOLERANCE, settings, origin, Watch(None, None, 0))
-    if solution.status is not Status.SOLVED or solution.inaccurate:
+    if solution.status is not Status.SOLVED:
         return None
     other = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
     if not other.applies:
@@ -103,4 +105,7 @@ def _from(result: Reloaded, estimate: ObjectiveError, mesh: Mesh, origin: Origin
     better = problem.sense * (result.objective - solution.objective) / size
     claimed = (estimate.bar + other.bar) / size + ROUNDING
     origin = Origin(solution.trajectories, solved)
-    return _Found(float(better), float(claimed), solution.objective, words, origin, solution.trajectories)
+    return _Found(
+        float(better), float(claimed), solution.objective, words, origin, solution.trajectories,
+        bool(solution.inaccurate),
+    )  # fmt: skip

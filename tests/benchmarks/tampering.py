@@ -110,7 +110,7 @@ def move_final_state(result: Reloaded, z: np.ndarray, y: np.ndarray) -> bool:
 
 
 def flip_costate(result: Reloaded, z: np.ndarray, y: np.ndarray) -> bool:
-    """The defects' multipliers of the state whose costate is largest over the state's range, and with them the costate."""
+    """The defects' multipliers of the state whose costate is worth most, and with them the costate."""
     own = result.trajectories[0]
     if own.costate is None or not len(own.phase.controls):
         return False

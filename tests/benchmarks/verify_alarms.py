@@ -195,9 +195,8 @@ def report(verdicts: list[Verdict], verbose: bool) -> bool:
         print(*[f"{v.seconds:7.2f} s  {v.job.name}" for v in verdicts if not v.left_out], sep="\n")
     rate = len(alarms) / max(len(good), 1)
     met = rate <= WANTED_ALARMS and len(missed) <= WANTED_MISSES
-    print(
-        f"\nfalse alarms: {len(alarms)} of {len(good)}, {100 * rate:.1f} % (wanted: at most {100 * WANTED_ALARMS:.0f} %)"
-    )
+    wanted = f"wanted: at most {100 * WANTED_ALARMS:.0f} %"
+    print(f"\nfalse alarms: {len(alarms)} of {len(good)}, {100 * rate:.1f} % ({wanted})")
     print(f"misses: {len(missed)} of {bad} (wanted: {WANTED_MISSES}); {'met' if met else 'not met'}")
     return met
 
