@@ -11,6 +11,10 @@ Optimality    With lambda the costate and nu, kappa the multiplier functions of 
               changes along the trajectory only as dH/dt = the partial derivative by t: constant if nothing depends on
               t. d2L/du2 has no negative eigenvalue for the controls inside their bounds, on the tangent of the
               constraints that act (Legendre's condition): a point that is stationary but no minimum fails here.
+Pontryagin    No other control within bounds and path constraints gives H a lower value, at any point: sampled, and the
+              best improved. What H is above the least, integrated, is within the claimed error of the objective.
+Starts        Solved anew from other starts, the problem has no better objective. An extremal may meet every condition
+              above and be the lesser of two optima; where the file's reference means that one, it does not count.
 Stored        The arrays that people read are those of the solver's point, which meets the constraints at the points,
               and the error bar of the objective is small.
 Constraints   Bounds and path constraints, on a grid between the collocation points; less strictly within a jump of a
@@ -27,12 +31,17 @@ from pathlib import Path
 import numpy as np
 
 from ..transcription.solution.error import error_profile
+from ..transcription.solution.objective_error import ObjectiveError, objective_error
 from .audit.check import Check
 from .audit.optimality import optimality
+from .audit.pontryagin import pontryagin
+from .audit.starts import starts
 from .audit.stored import stored
 from .audit.trajectory import between_points, held_control, simulation
-from .file.reload import reload
-from .file.summary import summarize
+from .file.reload import Reloaded, reload
+
+ENGINE = 10.0
+"""Times the engine's tolerance, relative to 1 + |J|: what a solved program may be off by."""
 
 
 @np.errstate(all="ignore")  # a result without finite values fails its checks, and needs no warnings beside
@@ -48,21 +57,33 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
     result = reload(path)
     checks = [Check("solver status", 0.0 if result.solved else 1.0, 0.0, result.outcome.status.message)]
     checks += stored(path, result)
+    estimate = objective_error(result.transcription, result.nlp, result.outcome, result.trajectories)
+    claimed = _claimed(result, estimate, tolerance)
     for number, trajectory in enumerate(result.trajectories):
         checks += simulation(trajectory, error_profile(trajectory), tolerance)
         if hold is not None:
             checks += held_control(trajectory, hold, tolerance)
         checks += between_points(trajectory, tolerance)
         if trajectory.costate is not None:
-            checks += optimality(result, number, tolerance)
+            checks += optimality(result, number, claimed, tolerance)
         else:
             checks.append(Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates"))
-    if (bar := summarize(path)["objective_error"]) is not None:
-        relative = bar / (1 + abs(result.objective))
+    if estimate.applies:
+        relative = estimate.bar / (1 + abs(result.objective))
         checks.append(Check("error bar of the objective, relative", relative, tolerance))
+    checks += pontryagin(result, claimed)
+    checks += starts(result, estimate, tolerance)
     if (reference := result.spec.reference) and not result.overrides:
         difference = abs(result.objective - reference.objective)
         checks.append(
             Check("objective, difference from the reference", difference, reference.tolerance, reference.source)
         )
     return checks
+
+
+def _claimed(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> float:
+    """How far the objective may be from the optimum, as the result says: by its error bar, by its relative error where
+    there is none; at least by what the engine's tolerance leaves, and no more than what passes."""
+    size, last = 1 + abs(result.objective), result.records[-1]
+    own = estimate.bar if estimate.applies else last.relative_error * size
+    return min(max(own, ENGINE * last.tolerance * size), tolerance * size)

@@ -12,6 +12,7 @@ from ...problems.problem import Function, Phase, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ..file.reload import Reloaded
 from .check import Check, at
+from .jumps import point_shares
 
 COMPLEX_STEP = 1e-30
 SECOND_STEP = 1e-5  # relative to 1 + the size of a control, of central differences of complex-step derivatives
@@ -85,20 +86,28 @@ class _Hamiltonian:
         return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
 
 
-def optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Check]:
+def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) -> Iterator[Check]:
     """Checks of one phase: how H changes along it, dL/du = 0 for each input, no negative eigenvalue of d2L/du2.
 
     result: read back, with multipliers.
     number: of the phase, from 0; its trajectory has costates.
+    claimed: how far the objective may be from the optimum: what is worth less over the whole phase is nothing.
     tolerance: the largest value of each measure that passes, all of them relative.
     """
     hamiltonian = _Hamiltonian(result, number)
     values = hamiltonian.values()
     t = values["t"]
-    yield _hamiltonian_drift(hamiltonian, values, t, tolerance)
+    slopes = np.stack(
+        [hamiltonian.derivative(hamiltonian.lagrangian, values, x.name) for x in hamiltonian.phase.states]
+    )
+    yield _hamiltonian_drift(hamiltonian, values, slopes, claimed, tolerance)
+    blurred = slopes * _lopsided(hamiltonian)
     for variable in hamiltonian.phase.inputs:
         gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
         scale = _scale(hamiltonian, values, variable.name)
+        unknown = _of_costates(hamiltonian, values, variable.name, blurred)
+        unknown += claimed / float(np.ptp(hamiltonian.trajectory.t)) / (1 + np.abs(values[variable.name]).max())
+        gradient = np.sign(gradient) * np.where(np.abs(gradient) > unknown, np.abs(gradient) - unknown, 0 * gradient)
         residual = _natural_residual(gradient / scale, values[variable.name], variable.bounds)
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
         name = f"stationarity dH/d{variable.name}, relative"
@@ -107,15 +116,52 @@ def optimality(result: Reloaded, number: int, tolerance: float) -> Iterator[Chec
         yield _legendre(hamiltonian, values, t, tolerance)
 
 
-def _hamiltonian_drift(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
-    """Half the range of H(t) - H(t_0) - integral of dL/dt, which should be 0, relative to the largest term of H."""
+def _hamiltonian_drift(
+    hamiltonian: _Hamiltonian, values: dict, slopes: np.ndarray, claimed: float, tolerance: float
+) -> Check:
+    """Half the range of H(t) - H(t_0) - integral of dL/dt, which should be 0, relative to the largest term of H.
+
+    Within a jump of a control, or of the slopes dL/dx of the costates (as where a multiplier jumps), the costates at
+    the points are those of neither side: there the drift counts times the jump's share of the phase.
+    """
+    trajectory, t = hamiltonian.trajectory, values["t"]
     H = hamiltonian.hamiltonian(values)
     explicit = hamiltonian.derivative(hamiltonian.lagrangian, values, "t")
     drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
-    drift -= (drift.max() + drift.min()) / 2
-    scale = max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in hamiltonian.terms) or 1.0
-    k = int(np.argmax(np.abs(drift)))
-    return Check("Hamiltonian along the trajectory, relative", float(abs(drift[k]) / scale), tolerance, at(t[k]))
+    shares = point_shares(trajectory, slopes)
+    counted = drift[shares == 1] if (shares == 1).any() else drift
+    drift = np.abs(drift - (counted.max() + counted.min()) / 2)
+    scale = max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in hamiltonian.terms)
+    value = np.maximum(shares * drift - claimed / float(np.ptp(trajectory.t)), 0.0) / (scale or 1.0)
+    k, worst = int(np.argmax(np.nan_to_num(value, nan=np.inf))), int(np.argmax(np.nan_to_num(drift, nan=np.inf)))
+    where = at(t[k])
+    if drift[worst] > tolerance * (scale or 1.0) and shares[worst] < 1:
+        where += f"; {drift[worst] / (scale or 1.0):.1e} in a jump, {at(t[worst])}"
+    return Check("Hamiltonian along the trajectory, relative", float(value[k]), tolerance, where)
+
+
+def _lopsided(hamiltonian: _Hamiltonian) -> np.ndarray:
+    """How far from each point the control there acts on average, shape (M,), in time.
+
+    The trapezoid rule has one control for both segments at a knot, which is optimal for the costate in the middle of
+    the two: that is not at the knot where one is longer.
+    """
+    trajectory, mesh = hamiltonian.trajectory, hamiltonian.trajectory.mesh
+    found = np.zeros(len(mesh.fractions))
+    if all(len(scheme.sigma) == 2 and len(scheme.collocated) == 2 for scheme in mesh.schemes):
+        before, after = np.append(0.0, trajectory.h), np.append(trajectory.h, 0.0)
+        found[mesh.knots] = np.abs(after - before) / 2
+    return found[hamiltonian.points]
+
+
+def _of_costates(hamiltonian: _Hamiltonian, values: dict, name: str, costates: np.ndarray) -> np.ndarray:
+    """What dL/du may be off by, shape (M,), where each costate may be so by its row of (n_x, M)."""
+    rates = [
+        np.abs(hamiltonian.derivative(partial(_of_arrays, state.rate), values, name))
+        for state in hamiltonian.phase.states
+    ]
+    total: np.ndarray = (np.abs(costates) * np.stack(rates)).sum(axis=0)
+    return total
 
 
 def _legendre(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
@@ -167,12 +213,18 @@ def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.
 
 
 def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
-    """The largest term of dL/du along the trajectory: what its zero is the balance of."""
+    """What the zero of dL/du is the balance of: its largest term along the trajectory, or what the whole control makes
+    of it, d2L/du2 times its size, if that is more: a single term that is a difference, as 2 (u - 1), is all rounding.
+    """
     sizes = [
         np.abs(weight * hamiltonian.derivative(partial(_of_arrays, function), values, name)).max()
         for weight, function in hamiltonian.terms + hamiltonian.constraints
     ]
-    return float(max(sizes)) or 1.0
+    u = values[name]
+    step = SECOND_STEP * (1 + np.abs(u).max())
+    up, down = (hamiltonian.derivative(hamiltonian.lagrangian, {**values, name: u + d}, name) for d in (step, -step))
+    sizes.append(np.median(np.abs(up - down)) / (2 * step) * np.abs(u).max())
+    return float(np.max(sizes)) or 1.0
 
 
 def _of_arrays(function: Function, values: dict) -> np.ndarray:

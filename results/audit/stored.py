@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...transcription.layout import bounded_start
 from ...transcription.solution.trajectory import Trajectory
 from ..file.read import PhaseCurves, read
 from ..file.reload import Reloaded
@@ -42,6 +43,9 @@ def _arrays(trajectory: Trajectory, curves: PhaseCurves) -> Check:
         (kind, v.name, np.where(collocated, trajectory.u[i], np.nan), dense.u[i])
         for i, (kind, v) in enumerate(zip(kinds, phase.inputs, strict=True))
     ]
+    if trajectory.costate is not None and dense.costate is not None:
+        costate = trajectory.point_costate
+        rows += [("costate", v.name, costate[i], dense.costate[i]) for i, v in enumerate(phase.states)]
     found = [(_difference(trajectory.times, curves.time), "points/time")]
     found.append((_difference(dense.t, curves.dense_time), "dense/time"))
     for kind, name, points, samples in rows:
@@ -64,9 +68,12 @@ def _difference(own: np.ndarray, stored: np.ndarray) -> float:
 
 
 def _missed(result: Reloaded) -> float:
-    """By how much rows of the program are outside their bounds at z, at most, relative to 1 + |bound|."""
-    nlp, g = result.nlp, result.nlp.constraints_unchecked(result.outcome.z)
-    below = (nlp.cl - g) / (1 + np.abs(np.where(np.isfinite(nlp.cl), nlp.cl, 0.0)))
-    above = (g - nlp.cu) / (1 + np.abs(np.where(np.isfinite(nlp.cu), nlp.cu, 0.0)))
+    """By how much z, or rows of the program at z, are outside their bounds, at most, relative to 1 + |bound|."""
+    nlp, z = result.nlp, result.outcome.z
+    _, lower, upper = bounded_start(result.transcription)
+    values = np.concatenate([z, nlp.constraints_unchecked(z)])
+    lower, upper = np.concatenate([lower, nlp.cl]), np.concatenate([upper, nlp.cu])
+    below = (lower - values) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0)))
+    above = (values - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0)))
     missed = np.maximum(below, above)
     return float(np.max(np.nan_to_num(missed, nan=np.inf), initial=0.0))

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...transcription.refinement.switches import Switches
 from ...transcription.solution.error import ErrorProfile, excesses
 from ...transcription.solution.implicit import consistent_inputs
 from ...transcription.solution.trajectory import Trajectory
 from .check import Check, at
+from .jumps import control_shares
 
 RTOL, ATOL = 1e-10, 1e-12
 
@@ -185,11 +185,9 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
     """Bounds and path constraints on the dense grid, relative to 1 + |bound|.
 
     On a segment in which a control jumps, its polynomial overshoots by a share of the jump, however short the segment
-    is: there the excess counts times the segment's share of the phase, and is told.
+    is: there the excess counts times the jump's share of the phase (see `jumps`), and is told.
     """
-    mesh, jumping, t = trajectory.mesh, list(Switches(trajectory).jumps), trajectory.dense.t
-    weights = np.ones((mesh.segments, 1))
-    weights[jumping, 0] = mesh.widths[jumping]
+    weights, t = control_shares(trajectory)[:, None], trajectory.dense.t
     for excess in excesses(trajectory):
         by_segment = np.nan_to_num(trajectory.by_segment(excess.values), nan=np.inf)
         peak, counted = by_segment.ravel(), (by_segment * weights).ravel()

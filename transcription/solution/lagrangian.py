@@ -15,7 +15,7 @@ from ..constraint_kinds import INTEGRAL
 from ..layout import Layout
 from ..schemes.runge_kutta import shooting_scheme
 from ..schemes.segment import Group
-from .hamiltonian import Constrained, minimise
+from .hamiltonian import Constrained, Values, minimise
 from .implicit import Nearby, consistent_inputs
 from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
@@ -42,7 +42,7 @@ class Terms:
 
 
 @dataclass(frozen=True)
-class _Samples:
+class Samples:
     """A group of segments at S Gauss points each, all in one row: t (M,), x, dx and costate (n_x, M), inputs u (n_u, M)
     with consistent algebraic variables; s: normalised times; weights (segments, S)."""
 
@@ -132,7 +132,7 @@ class PhaseLagrangian:
             terms.shares[here] += share
         return terms
 
-    def _samples(self, group: Group) -> _Samples:
+    def _samples(self, group: Group) -> Samples:
         tr, sigma = self.trajectory, group.scheme.sigma
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         width = np.diff(sigma)[:, None]
@@ -145,7 +145,7 @@ class PhaseLagrangian:
         t = sample.t.ravel()
         x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
         h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
-        return _Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
+        return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
 
     def _own_integrals(self, group: Group) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
@@ -158,28 +158,51 @@ class PhaseLagrangian:
         at = tr.grid(group.segments, tau)
         return tr.h[group.segments] * (self._running(at.t, at.x, at.u) @ weights)
 
-    def _control(self, samples: _Samples, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _control(self, samples: Samples, H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the least H over the controls is less than H, over each segment, and its share of the bar."""
         if not self.n:
             none = np.zeros(len(samples.weights))
             return none, none
         every, u = np.arange(len(samples.t)), samples.u[: self.n]
+        hamiltonian, constrained = self.over_controls(samples)
+        least = minimise(hamiltonian, u, self.control_bounds, constrained)
+        if not least.found.all():
+            t = samples.t[np.argmin(least.found)]
+            self.why_not = f"the Hamiltonian has no minimum over the controls at t = {t:.6g}"
+        within = hamiltonian(np.clip(u, *self.control_bounds[:, :, None])[:, None], every)[0]
+        share = SAFETY * np.abs(samples.integral(least.value - within)) + samples.integral(np.abs(within - H))
+        return samples.integral(least.value - H), share
 
+    @property
+    def control_bounds(self) -> np.ndarray:
+        """Lower and upper bounds of the controls, shape (2, n)."""
+        return np.array([[c.bounds.lower, c.bounds.upper] for c in self.phase.controls]).T
+
+    def over_controls(self, samples: Samples) -> tuple[Values, Constrained | None]:
+        """H as a function of the controls at samples, and what constrains them beside their bounds."""
         at = Nearby(self.phase, samples.t, samples.x, samples.u, self.p).inputs
 
         def hamiltonian(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
             return self._hamiltonian(*at(controls, k), samples.costate[:, None, k])
 
-        bounds = np.array([[c.bounds.lower, c.bounds.upper] for c in self.phase.controls]).T
-        least = minimise(hamiltonian, u, bounds, self._constrained(at, samples))
-        if not least.found.all():
-            t = samples.t[np.argmin(least.found)]
-            self.why_not = f"the Hamiltonian has no minimum over the controls at t = {t:.6g}"
-        within = hamiltonian(np.clip(u, bounds[0][:, None], bounds[1][:, None])[:, None], every)[0]
-        share = SAFETY * np.abs(samples.integral(least.value - within)) + samples.integral(np.abs(within - H))
-        return samples.integral(least.value - H), share
+        return hamiltonian, self._constrained(at, samples)
 
-    def _constrained(self, at: Callable[..., Point], samples: _Samples) -> Constrained | None:
+    def at_points(self) -> Samples:
+        """The collocation points, in one row of weights (1, M)."""
+        tr, points = self.trajectory, self.mesh.collocated
+        t, x, u, f = (a[..., points] for a in (tr.times, tr.x, tr.u, tr.f))
+        costate = self.sense * tr.point_costate[:, points]
+        weights = self.mesh.weights[points] * self.duration
+        return Samples(t, self.mesh.fractions[points], x, f, costate, self._inputs(t, x, u), weights[None])
+
+    def sizes(self, samples: Samples) -> np.ndarray:
+        """The largest modulus of each term of H at samples."""
+        values = self.phase.arguments(samples.t, samples.x, samples.u, self.p)
+        running = [abs(multiplier) * np.abs(function(values, np)).max() for multiplier, function in self.integrands]
+        rates = np.abs(samples.costate * self.phase.dynamics(samples.t, samples.x, samples.u, self.p)).max(axis=1)
+        return np.concatenate([running, rates])
+
+    def _constrained(self, at: Callable[..., Point], samples: Samples) -> Constrained | None:
         own = self.of_controls
         if not own:
             return None
@@ -191,7 +214,7 @@ class PhaseLagrangian:
         lower, upper = np.array([[c.bounds.lower, c.bounds.upper] for c in own]).T
         return Constrained(values, lower, upper, np.stack([np.interp(samples.s, c.s, c.density) for c in own]))
 
-    def _constraints(self, samples: _Samples) -> tuple[np.ndarray, np.ndarray]:
+    def _constraints(self, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
         """Multipliers times what the states exceed their constraints by, over each segment; its share of the bar."""
         total, share = np.zeros((2, len(samples.weights)))
         for measure, spread, between in self.of_states:
