@@ -60,3 +60,14 @@ def test_refinement_on_one_optimum_does_not_move_against_its_bars(ways):
         for before, after in zip(way.meshes, way.meshes[1:], strict=False):
             assert abs(after.objective - before.objective) <= before.objective_error + after.objective_error
         assert not way.notes
+
+
+def test_a_mesh_too_large_to_solve_leaves_the_one_before(monkeypatch):
+    monkeypatch.setattr("trajopt.transcription.transcribe.MAX_UNKNOWNS", 400)
+    spec = load_text(TWO_OPTIMA.replace("SIDE", "-0.3"), "x.yaml", ["refine.tolerance=1e-11"])
+    solution = solve(build(spec), steps(spec.mesh), settings_of(spec))
+    assert solution.solved and solution.unmet
+    assert (
+        solution.stopped.startswith("the next mesh cannot be solved: ") and "unknowns are more than" in solution.stopped
+    )
+    assert solution.inaccurate

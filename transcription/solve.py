@@ -122,6 +122,9 @@ def solve(
             goal = Goal(settings.refine.objective, solution) if settings.refine.objective else None
             unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left, goal)
             stopped = goal.unreachable if goal and not unmet and not more else ""
+            if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
+                stopped = f"the next mesh cannot be solved: {too_large[0].what}"
+                break
             steps += more
         if number + 1 == len(steps):
             break
