@@ -86,58 +86,108 @@ def solve(
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
     """
-    steps, stopped = planned(problem, schedule), ""
-    history: list[MeshRecord] = []
-    unmet: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    start, good, limit = Origin(guess, None), None, _Limit(settings.seconds, stop)
-    for number in count():
-        own_solve, watch = solve_mesh if number else solve_first_mesh, Watch(progress, limit.reached, len(history))
-        solution, solved = own_solve(*steps[number], settings, start, watch)
-        notes += solution.notes
-        solution = limit.told(solution)
-        own = steps[number][0] is steps[number - 1][0]
-        if good and not solution.status.usable and (number >= len(schedule) or (own and solution.status in ENDED)):
-            stopped = _why_stopped(solution.meshes[-1])
-            solution, solved = good
-            break
-        if good and own and number >= len(schedule) and left_basin(good[0], solution):
-            (solution, solved), words = _again(steps[number], good, (solution, solved), settings, start, watch)
-            notes += (words,)
-            if solution is good[0]:
-                stopped = words
+    return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None))
+
+
+class _Loop:
+    """The solves of a schedule, and of the meshes that refinement adds to it.
+
+    steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
+    last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
+    tolerance. notes: what was done beyond what was asked.
+    """
+
+    def __init__(
+        self,
+        steps: list[Planned],
+        settings: Settings,
+        progress: Callable[[int, dict], None] | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        self.steps, self.scheduled, self.settings, self.progress = steps, len(steps), settings, progress
+        self.limit = _Limit(settings.seconds, stop)
+        self.history: list[MeshRecord] = []
+        self.last: Found | None = None
+        self.stopped = ""
+        self.unmet: tuple[str, ...] = ()
+        self.notes: tuple[str, ...] = ()
+
+    def run(self, start: Origin) -> Solution:
+        for number in count():
+            found = self._solved(number, start)
+            if found is None:
                 break
-        history.extend(solution.meshes)
-        if not solution.status.usable:
-            unmet = ()  # they are of the mesh before
-            break
-        start = Origin(solution.trajectories, solved)
-        good = solution, solved
-        after = number + 1 - len(schedule)
-        if after >= 0 and settings.refine:
-            if stopped := _unmeasurable(solution):
+            self.last = found
+            self.history.extend(found[0].meshes)
+            if not found[0].status.usable:
+                self.unmet = ()  # they are of the mesh before
                 break
-            merge, left = after <= MERGING_MESHES, len(schedule) + settings.refine.max_meshes - len(steps)
-            exact = min(schedule[-1].tolerance, _asked(settings.refine))  # what is looser shows in the error
-            goal = Goal(settings.refine.objective, solution) if settings.refine.objective else None
-            unmet, more = _refined(steps[number], solution, settings.refine, exact, merge, left, goal)
-            stopped = goal.unreachable if goal and not unmet and not more else ""
-            if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
-                stopped = f"the next mesh cannot be solved: {too_large[0].what}"
+            start = Origin(found[0].trajectories, found[1])
+            if self.settings.refine and number + 1 >= self.scheduled:
+                self._refine(number, found[0], self.settings.refine)
+            if self.stopped or number + 1 == len(self.steps):
                 break
-            steps += more
-        if number + 1 == len(steps):
-            break
-        if limit.reached():
-            stopped = (
-                "interrupted before the next mesh" if stop and stop() else "the time limit came before the next mesh"
-            )
-            break
-    gap = _gap(settings.refine, solution.objective)
-    solution, _ = tightened((solution, solved), settings, gap, Watch(progress, limit.reached, len(history)))
-    meshes = (*history[:-1], solution.meshes[-1])
-    solution = replace(solution, meshes=meshes, unmet=unmet, stopped=stopped, notes=notes)
-    return replace(solution, accept=settings.accept)
+            if self.limit.reached():
+                self.stopped = f"{self.limit.why} before the next mesh"
+                break
+        return self._told()
+
+    def _solved(self, number: int, start: Origin) -> Found | None:
+        """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
+        run, watch = solve_mesh if number else solve_first_mesh, self._watch()
+        solution, solved = run(*self.steps[number], self.settings, start, watch)
+        self.notes += solution.notes
+        solution = self.limit.told(solution)
+        if self.last is None:
+            return solution, solved
+        refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
+        if not solution.status.usable and (refined or (own and solution.status in ENDED)):
+            self.stopped = _why_stopped(solution.meshes[-1])
+            return None
+        if refined and own and left_basin(self.last[0], solution):
+            return self._again(number, (solution, solved), start, watch)
+        return solution, solved
+
+    def _again(self, number: int, left: Found, start: Origin, watch: Watch) -> Found | None:
+        """A mesh whose solve left the basin, solved without the multipliers of the mesh before; None if that is no
+        better, and the solution before stands."""
+        assert self.last is not None
+        found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None), watch)
+        segments = left[0].meshes[-1].mesh.segments
+        told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
+        if found[0].status.usable and not left_basin(self.last[0], found[0]):
+            self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
+            return found
+        self.stopped = f"{told}, which is worse than {self.last[0].objective:.8g} by more than both error bars"
+        return None
+
+    def _refine(self, number: int, solution: Solution, refine: Refine) -> None:
+        """Add the next mesh, if there is to be one, and say what is not good enough."""
+        if why_not := _unmeasurable(solution):
+            self.stopped = why_not
+            return
+        merge = number + 1 - self.scheduled <= MERGING_MESHES
+        left = self.scheduled + refine.max_meshes - len(self.steps)
+        exact = min(self.steps[self.scheduled - 1][2], _asked(refine))  # what is looser shows in the error
+        goal = Goal(refine.objective, solution) if refine.objective else None
+        self.unmet, more = _refined(self.steps[number], solution, refine, exact, merge, left, goal)
+        if goal and not self.unmet and not more:
+            self.stopped = goal.unreachable
+        if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
+            self.stopped = f"the next mesh cannot be solved: {too_large[0].what}"
+            return
+        self.steps += more
+
+    def _told(self) -> Solution:
+        assert self.last is not None
+        gap = _gap(self.settings.refine, self.last[0].objective)
+        solution, _ = tightened(self.last, self.settings, gap, self._watch())
+        meshes = (*self.history[:-1], solution.meshes[-1])
+        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
+        return replace(solution, accept=self.settings.accept)
+
+    def _watch(self) -> Watch:
+        return Watch(self.progress, self.limit.reached, len(self.history))
 
 
 class _Limit:
@@ -151,6 +201,10 @@ class _Limit:
 
     def _asked(self) -> bool:
         return self.stop is not None and self.stop()
+
+    @property
+    def why(self) -> str:
+        return "interrupted" if self._asked() else "the time limit came"
 
     def told(self, solution: Solution) -> Solution:
         """The solution, whose status tells the time limit from an interruption."""
@@ -175,21 +229,6 @@ def left_basin(before: Solution, after: Solution) -> bool:
         return False
     worse = before.problem.sense * (after.objective - before.objective)
     return worse > before.objective_error.bar + after.objective_error.bar
-
-
-def _again(
-    step: Planned, before: Found, left: Found, settings: Settings, start: Origin, watch: Watch
-) -> tuple[Found, str]:
-    """A mesh whose solve left the basin, solved without the multipliers of the mesh before; and what was done.
-
-    If that leads to no better point, what stood before is given back.
-    """
-    found = solve_mesh(*step, settings, Origin(start.guess, None), watch)
-    segments = left[0].meshes[-1].mesh.segments
-    told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
-    if found[0].status.usable and not left_basin(before[0], found[0]):
-        return found, f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}"
-    return before, f"{told}, which is worse than {before[0].objective:.8g} by more than both error bars"
 
 
 def _unmeasurable(solution: Solution) -> str:
