@@ -14,7 +14,7 @@ from .checks.values import NO_STATES, check_spec
 from .errors import FileError, Mistake, SpecError
 from .schema import messages
 from .schema.fields import STORED
-from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, Solver
+from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, read_document
@@ -148,7 +148,7 @@ def _refused_options(solver: dict[str, Any], options: OptionCheck, known: set[st
     plain = {name: value for name, value in solver.items() if name not in own and isinstance(value, int | float | str)}
     plain = {name: _yes_or_no(value) if isinstance(value, bool) else value for name, value in plain.items()}
     engine = solver.get("engine", "ipopt")
-    mistakes = options(engine, plain) if engine in ("ipopt", "newton") else ()
+    mistakes = options(engine, plain) if engine in ENGINES else ()
     return [Finding(("solver", m.where.removeprefix("solver.")), m.what, m.remedy) for m in mistakes]
 
 

@@ -80,22 +80,25 @@ def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
     return f'{piece} in "{shorten(around, 120)}"'
 
 
-def nearest(word: str | int, known: Iterable[str | int]) -> str | None:
+def nearest(word: str | int, known: Iterable[str | int], likeness: float = 0.6) -> str | None:
     """The known word most like this one, or None if none is like it."""
     by_lower_case = {str(k).lower(): str(k) for k in known}
-    found = difflib.get_close_matches(str(word).lower(), by_lower_case, n=1, cutoff=0.6)
+    found = difflib.get_close_matches(str(word).lower(), by_lower_case, n=1, cutoff=likeness)
     return by_lower_case[found[0]] if found else None
 
 
-def did_you_mean(word: str | int, known: Iterable[str | int], otherwise: str = "", always: str = "") -> str:
+def did_you_mean(
+    word: str | int, known: Iterable[str | int], otherwise: str = "", always: str = "", likeness: float = 0.6
+) -> str:
     """A remedy for an unknown word.
 
     word: as the user wrote it.
     known: the words it may be; the one most like it is proposed.
     otherwise: what is said if none is like it.
     always: what is said after either.
+    likeness: that a word must have to be proposed, from 0 to 1.
     """
-    close = nearest(word, known)
+    close = nearest(word, known, likeness)
     return " ".join(filter(None, [f"did you mean {close}?" if close else otherwise, always]))
 
 

@@ -159,8 +159,8 @@ def test_a_linear_solver_that_is_not_there_is_a_mistake():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"max_itr": 3}, "did you mean 'max_iter'?"),
-        ({"linear_solvr": "mumps"}, "did you mean 'linear_solver'?"),
+        ({"max_itr": 3}, "did you mean max_iter?"),
+        ({"linear_solvr": "mumps"}, "did you mean linear_solver?"),
         ({"max_iter": "many"}, "max_iter = 'many'"),
         ({"max_iter": 2.5}, "max_iter = 2.5"),
         ({"max_iter": -1}, "max_iter = -1"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..problems.schema.solving import MeshEntry
+from ..problems.schema.solving import Engine, MeshEntry
 from ..problems.schema.spec import Spec
 from .engines.outcome import Status
 from .schemes.mesh import Mesh
@@ -64,7 +64,7 @@ class Settings:
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
-    engine: str = "ipopt"
+    engine: Engine = "ipopt"
     accept: Status = Status.SOLVED
     refine: Refine | None = None
     scaling: Mapping[str, float] | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
 
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
@@ -105,13 +105,17 @@ class RefineEntry(Entry):
         return value
 
 
+Engine = Literal["ipopt", "newton"]
+ENGINES: tuple[str, ...] = get_args(Engine)
+
+
 class Solver(Entry):
     """Which solver runs, and how. Every key but those named here is an option of that solver."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, Option]
 
-    engine: Literal["ipopt", "newton"] = Field(
+    engine: Engine = Field(
         "ipopt", description="ipopt (default), or newton: Newton's method on the KKT system, equality constraints only"
     )
     accept: Literal["optimal", "acceptable"] = Field(

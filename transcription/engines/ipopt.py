@@ -6,12 +6,12 @@ import json
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake
+from ...problems.text import did_you_mean
 from ..program.alone import LOCK
 from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
@@ -112,10 +112,8 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
     mistakes = []
     for name, value in options.items():
         if not _accepts(problem, name, value):
-            near = get_close_matches(name, FREQUENT_OPTIONS, n=1)
-            remedy = "IPOPT's documentation lists its options and their values"
-            if near and near[0] != name:
-                remedy = f"did you mean '{near[0]}'?"
+            known = () if name in FREQUENT_OPTIONS else FREQUENT_OPTIONS  # then it is the value
+            remedy = did_you_mean(name, known, otherwise="IPOPT's documentation lists its options and their values")
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
     wanted = options.get("linear_solver", "mumps")
     if not mistakes and wanted != "mumps":  # IPOPT takes the name; whether it has the library shows when it runs

@@ -61,21 +61,19 @@ class Relaxation:
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         when = "" if self.start is None or self.end is None else when_between(self.start, self.end)
         moved = [
-            (side, old, new)
-            for side, old, new in (
+            (end, old, new)
+            for end, old, new in (
                 ("lower", self.before.lower, self.after.lower),
                 ("upper", self.before.upper, self.after.upper),
             )
             if old != new
         ]
         if self.before.fixed or len(moved) == 1:
-            side, old, new = moved[0]
-            what = self.what.replace("the bounds of", f"the {side} bound of")
+            end, old, new = moved[0]
+            what = self.what.replace("the bounds of", f"the {end} bound of")
             return f"{what} from {old:.6g} to {new:.4g}{unit}{when}"
-        old, new = self.before, self.after
-        return (
-            f"{self.what} from {old.lower:.6g} and {old.upper:.6g} to {new.lower:.4g} and {new.upper:.4g}{unit}{when}"
-        )
+        before, after = (f"{side.lower:.4g} and {side.upper:.4g}" for side in (self.before, self.after))
+        return f"{self.what} from {before} to {after}{unit}{when}"
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     outcome: of a failed solve, or one whose objective cannot be meant so.
     """
     found = list(trajectories(transcription, outcome.z))
-    size, text = max((item for own in found for item in _values(own)), default=(0.0, ""))
+    sizes = [item for own in found for item in _values(own)]
+    size, text = max(sizes) if sizes else (0.0, "")
     if size > LARGE:
         return f"{text}: {REMEDY}"
     if not fallen(outcome):
@@ -46,8 +47,8 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
 
 def fallen(outcome: Outcome) -> bool:
     """Whether the minimised objective has fallen as far as no honest one does."""
-    history = outcome.iterations.get("objective", ())
-    if not len(history) or not np.isfinite(outcome.objective):
+    history = outcome.iterations.get("objective")
+    if history is None or not len(history) or not np.isfinite(outcome.objective):
         return False
     return bool(outcome.objective < -FALLEN * (1 + abs(float(history[0]))))
 

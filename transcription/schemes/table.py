@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
@@ -17,6 +16,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
+from ...problems.text import did_you_mean
 from ..program.alone import LOCK
 from .finite_difference import FiniteDifference
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
@@ -284,9 +284,8 @@ def find(
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)
         return scheme if substeps is None and control is None else METHODS[name].shooting(substeps, control)
-    near = get_close_matches(name, METHODS, n=1, cutoff=0.3)
-    hint = f"did you mean '{near[0]}'? " if near else ""
-    raise SpecError(Mistake("method", f"there is no method '{name}'", hint + "'trajopt methods' lists them all"))
+    remedy = did_you_mean(name, METHODS, always="'trajopt methods' lists them all", likeness=0.3)
+    raise SpecError(Mistake("method", f"there is no method '{name}'", remedy))
 
 
 def check_schedule(schedule: Sequence[MeshEntry]) -> list[Mistake]:
