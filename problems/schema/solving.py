@@ -12,6 +12,8 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
+MAX_AXES, MAX_CASES = 20, 1_000_000
+"""Of a sweep."""
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
@@ -33,8 +35,10 @@ def _whole_number(largest: int, of: str) -> Any:
 if TYPE_CHECKING:
     Substeps = int
     Meshes = int
+    Cases = int
 else:
     Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
+    Cases = _whole_number(MAX_CASES, "cases")
 
 
 class MeshEntry(Entry):
@@ -143,3 +147,17 @@ class Reference(Entry):
     objective: Number = Field(description="the known value")
     tolerance: Number = Field(1e-6, description="absolute difference allowed; default 1e-6")
     source: Text = Field("", description="where the value comes from")
+
+
+class Sweep(Entry):
+    """The cases of `trajopt sweep`; nothing else looks at it."""
+
+    over: dict[str, Any] = Field(
+        min_length=1,
+        max_length=MAX_AXES,
+        description='path of a field -> its values: "START:STOP:COUNT", "log:START:STOP:COUNT", or a list',
+    )
+    zip: bool = Field(False, description="go through the axes together (true) or solve every combination; default so")
+    sample: Cases | None = Field(None, description="number of cases of a Latin hypercube over the ranges; default none")
+    seed: int = Field(0, ge=0, le=2**32 - 1, description="of the sample; default 0")
+    chain: bool = Field(False, description="start each case from the case before it (true); default from the guess")
