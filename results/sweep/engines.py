@@ -57,7 +57,7 @@ class LocalEngine:
         self.capacity, self.prepare = jobs, prepare
         os.environ.update({name: "1" for name in ONE_THREAD})  # before NumPy is imported there
         self.context = multiprocessing.get_context("forkserver")
-        self.context.set_forkserver_preload([solve_case.__module__])
+        self.context.set_forkserver_preload([f"{__package__}.preload"])
         self.flag = RawValue("b", 0)  # has no lock, which a killed worker might hold for ever
         self.slots: list[tuple[ProcessPoolExecutor, Future[Answer] | None]] = [
             (self._pool(), None) for _ in range(jobs)
