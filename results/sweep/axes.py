@@ -96,8 +96,7 @@ def _range(path: str, text: str, where: str, sampled: bool) -> Axis:
     if span.start == span.stop and count != ["1"]:
         raise SpecError(Mistake(where, f"the range starts and ends at {span.start:g}", "give another STOP"))
     points = _count(count[0], where) if count else 1
-    numbers = span.at(np.linspace(0.0, 1.0, points))
-    numbers = [*numbers[:-1], span.stop] if points > 1 else numbers  # to the last digit
+    numbers = [float(f"{number:.15g}") for number in span.at(np.linspace(0.0, 1.0, points))]  # 0.01, not 0.01...02
     whole = all(map(_WHOLE.fullmatch, ends)) and all(abs(x - round(x)) <= 1e-12 * abs(x) for x in numbers)
     return Axis(path, tuple(str(round(x)) if whole else repr(x) for x in numbers), span)
 

@@ -69,8 +69,8 @@ _watched: list[Any] = []
 
 
 def watch(flag: Any) -> None:
-    """From now on the solves of this process end when `flag.value` is not zero."""
-    _watched[:] = [flag]
+    """From now on the solves of this process end when `flag.value` is not zero; None for no flag."""
+    _watched[:] = [] if flag is None else [flag]
 
 
 def _stop() -> bool:

@@ -126,7 +126,7 @@ def listed(path: Path) -> Plan:
         raise FileError(Mistake(str(path), what, "give a CSV file with --list")) from error
     except UnicodeDecodeError as error:
         raise SpecError(Mistake(str(path), "this is not UTF-8 text", "save the table as CSV in UTF-8")) from error
-    reader = csv.reader(text.splitlines())
+    reader = csv.reader(text.splitlines(), skipinitialspace=True)
     rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(cell.strip() for cell in row)]
     if len(rows) < 2:
         what = "the file has no cases"

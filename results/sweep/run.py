@@ -120,7 +120,7 @@ class _Loop:
     def answers(self) -> list[Mapping[str, Any]]:
         """The records of the cases that have ended by now, which are kept."""
         done, _ = wait(self.running, timeout=TICK, return_when=FIRST_COMPLETED)
-        return [record for future in done for record in self._ended(future)]
+        return [record for future in sorted(done, key=self.running.__getitem__) for record in self._ended(future)]
 
     def last_answers(self) -> list[Mapping[str, Any]]:
         """After a stop: what the workers had finished, or were asked to end, which is dropped."""

@@ -57,6 +57,13 @@ class Store:
         """
         self._make(resume)
         self._lock()
+        try:
+            self._begin(about, force)
+        except BaseException:
+            self.close()
+            raise
+
+    def _begin(self, about: Mapping[str, Any], force: bool) -> None:
         with self.alone():
             if force:
                 self._clear()
