@@ -61,7 +61,7 @@ class Inline:
         pass
 
     def close(self):
-        watch(None)
+        pass
 
 
 def swept(
@@ -231,7 +231,7 @@ def test_a_killed_worker_costs_its_case_one_retry():
 
 
 def test_a_chain_goes_from_neighbour_to_neighbour_and_is_the_same_after_an_interruption():
-    records, tasks = swept(chain=True)
+    records, _ = swept(chain=True)
     assert [record["start"] for record in records.values()] == [
         "guess",
         "case 0",

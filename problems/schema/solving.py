@@ -159,5 +159,5 @@ class Sweep(Entry):
     )
     zip: bool = Field(False, description="go through the axes together (true) or solve every combination; default so")
     sample: Cases | None = Field(None, description="number of cases of a Latin hypercube over the ranges; default none")
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="of the sample; default 0")
+    seed: int = Field(0, ge=0, le=2**32 - 1, description="whole number that the sample depends on; default 0")
     chain: bool = Field(False, description="start each case from the case before it (true); default from the guess")

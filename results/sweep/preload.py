@@ -5,8 +5,10 @@ Importing it has an effect, so nobody else does.
 
 from __future__ import annotations
 
-from ...problems.load import load_text as load_text
+from ...problems.load import load_text
 from ...transcription.engines.ipopt import load_library
-from .case import solve_case as solve_case
+from .case import solve_case
+
+__all__ = ["load_text", "solve_case"]
 
 load_library()  # here, where there is one thread: see there
