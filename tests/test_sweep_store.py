@@ -17,6 +17,7 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import FileError, SpecError
 from trajopt.results.file.summary import summarize
 from trajopt.results.sweep import dataset, run, tables
+from trajopt.results.sweep import store as store_module
 from trajopt.results.sweep.axes import parse
 from trajopt.results.sweep.case import INTERRUPTED, WORKER_DIED, Task, solve_case, watch
 from trajopt.results.sweep.plan import grid, sampled
@@ -333,17 +334,17 @@ def test_folders_that_cannot_be_written(folder):
 
 
 def test_a_disk_that_is_full_ends_the_sweep_and_loses_nothing(monkeypatch):
-    whole = os.write
+    whole = store_module.append
 
-    def write(descriptor, content):
-        if content.startswith(b'{"case": 3'):
-            whole(descriptor, content[:40])
+    def append(stream, line):
+        if line.startswith(b'{"case": 3'):
+            whole(stream, line[:40])
             raise OSError(28, "No space left on device")
-        return whole(descriptor, content)
+        whole(stream, line)
 
     full = pytest.raises(FileError, match=r"index.jsonl: it cannot be written \(No space left on device\); make room")
     with monkeypatch.context() as patch, full:
-        patch.setattr(os, "write", write)
+        patch.setattr(store_module, "append", append)
         swept()
     _, tasks = swept()
     assert not {0, 1, 2, 3} & set(tasks)  # the small result of case 3 had been written

@@ -13,10 +13,12 @@ The small result is written before the line of the index: a case that was killed
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +45,7 @@ class Store:
         self.shared = shard is not None
         self.records: dict[int, dict[str, Any]] = {}
         self.locks: list[Lock] = []
-        self.descriptor = -1
+        self.stream: FileIO | None = None
 
     def open(self, about: Mapping[str, Any], force: bool = False, resume: bool = False) -> None:
         """Make the folder, or read what is in it.
@@ -178,10 +180,12 @@ class Store:
     def _append(self) -> None:
         """Open the index; a torn last line, of a process that was killed, is ended, so that the next one is whole."""
         with self._told(self.index):
-            self.descriptor = os.open(self.index, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-            size = os.fstat(self.descriptor).st_size
-            if size and os.pread(self.descriptor, 1, size - 1) != b"\n":
-                os.write(self.descriptor, b"\n")
+            self.stream = self.index.open("a+b", buffering=0)
+            size = self.stream.seek(0, os.SEEK_END)
+            if size:
+                self.stream.seek(size - 1)
+                if self.stream.read(1) != b"\n":
+                    append(self.stream, b"\n")
 
     def finished(self, number: int, full: bool) -> bool:
         """Whether a case is solved, and all is there that should be kept of it."""
@@ -203,8 +207,7 @@ class Store:
                 temporary.write_bytes(packed(record, answer.curves))
         line = json.dumps(record, allow_nan=False).encode() + b"\n"
         with self._told(self.index):
-            if os.write(self.descriptor, line) < len(line):
-                raise OSError(28, "No space left on device")
+            append(self.stream, line)
         self.records[record["case"]] = record
 
     def curves(self, number: int) -> Curves | None:
@@ -231,9 +234,9 @@ class Store:
 
     def close(self) -> None:
         """Another process may add to the folder."""
-        if self.descriptor >= 0:
-            os.close(self.descriptor)
-            self.descriptor = -1
+        if self.stream is not None:
+            self.stream.close()
+            self.stream = None
         for lock in self.locks:
             lock.release()
         self.locks = []
@@ -251,6 +254,13 @@ def about(plan: Plan, text: str, file: str, overrides: list[str], chain: bool) -
     axes = [{"path": axis.path, "values": list(axis.values)} for axis in plan.axes]
     head = {"format": FORMAT, "format_version": VERSION, "file": file, "design": plan.design}
     return {**head, "axes": axes, "overrides": list(overrides), "chain": chain, "text": text}
+
+
+def append(stream: FileIO | None, line: bytes) -> None:
+    """Write a line at once, so that no part of another can stand in it. Raises OSError."""
+    assert stream is not None  # the folder is open
+    if stream.write(line) < len(line):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _json(line: bytes) -> Any:
