@@ -171,11 +171,11 @@ class _Run:
         variables = (*phase.states, *self.problem.parameters)
         units = {name: parameter.unit for name, parameter in self.spec.parameters.items()}
         units |= {variable.name: variable.unit for variable in variables}
-        about = {"problem": self.spec.name, "sense": self.sense, "command": told, "design": self.plan.design}
+        about: dict[str, Any] = {"problem": self.spec.name, "sense": self.sense, "command": told}
+        about |= {"design": self.plan.design, "units": {**units, "time": phase.time_unit}}
         with self.store.alone():
             records = self.store.refreshed()
             write_table(self.store.folder / TABLE, self.plan.paths, records)
-            about["units"] = {**units, "time": phase.time_unit}
             write_arrays(self.store.folder / ARRAYS, self.plan, records, about)
 
     @property

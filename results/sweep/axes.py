@@ -87,7 +87,7 @@ def _range(path: str, text: str, where: str, sampled: bool) -> Axis:
     parts = text.split(":")
     log = parts[0].strip() == "log"
     ends, count = parts[log : log + 2], parts[log + 2 :]
-    span = Span(*(_number(end, where) for end in ends), log) if len(ends) == 2 else None
+    span = Span(_number(ends[0], where), _number(ends[1], where), log) if len(ends) == 2 else None
     if span is None or len(count) > 1 or (not count and not sampled):
         raise SpecError(Mistake(where, f'"{brief(text)}" is neither a range nor a list', FORMS))
     if log and (span.start <= 0 or span.stop <= 0):
