@@ -170,11 +170,14 @@ def test_a_killed_parent_loses_nothing(folder):
     assert table("a") == table("whole")
 
 
-def test_a_killed_worker_changes_nothing_but_time(push):
+@pytest.mark.parametrize("server", [False, True], ids=["worker", "fork server too"])
+def test_a_killed_worker_changes_nothing_but_time(folder, server):
     arguments = [*SLOW, "--over", "parameters.d=1"]
     with started(*arguments) as run:
         wait_until(lambda: index("cartpole-sweep"), run)
         os.kill(workers(run.pid)[0], signal.SIGKILL)
+        if server:
+            os.kill(next(pid for pid, line in children(run.pid).items() if "forkserver" in line), signal.SIGKILL)
         out, err = run.communicate(timeout=PATIENCE)
     assert (run.returncode, err) == (0, "")
     assert out.startswith("cart-pole swing-up: 6 of 6 cases solved\n")

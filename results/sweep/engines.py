@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import RawValue
@@ -17,6 +18,8 @@ from .case import Answer, Task, solve_case
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "BLIS_NUM_THREADS")
 PATIENCE = 10  # seconds to reach a scheduler
+STARTS, PAUSE = 5, 0.1
+"""Attempts to start a worker, and seconds between the second and the third; they grow."""
 
 
 class Engine(Protocol):
@@ -69,12 +72,17 @@ class LocalEngine:
     def submit(self, task: Task) -> Future[Answer]:
         free = next(i for i, (_, future) in enumerate(self.slots) if future is None or future.done())
         pool, _ = self.slots[free]
-        try:
-            future = pool.submit(solve_case, task)
-        except BrokenExecutor:
-            pool.shutdown(wait=False)
-            pool = self._pool()
-            future = pool.submit(solve_case, task)
+        for attempt in range(STARTS):
+            try:
+                future = pool.submit(solve_case, task)
+                break
+            except (BrokenExecutor, OSError, EOFError):  # the worker has died since, or the fork server
+                pool.shutdown(wait=False)
+                time.sleep(attempt * PAUSE)
+                pool = self._pool()
+        else:
+            future = Future()
+            future.set_exception(BrokenExecutor("no process can be started"))
         self.slots[free] = pool, future
         return future
 

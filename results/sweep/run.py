@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
 from typing import Any
 
@@ -159,4 +159,4 @@ class _Loop:
 
 def _worker_died(error: Exception) -> bool:
     """Whether it says so, here or on a Dask cluster, whose package may not be installed."""
-    return type(error).__name__ in ("BrokenProcessPool", "KilledWorker")
+    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
