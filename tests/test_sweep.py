@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -73,6 +74,11 @@ def wait_until(true, run=None):
         time.sleep(0.01)
 
 
+def told(errors: str) -> list[str]:
+    """The lines of standard error that do not tell of progress, which slow machines print."""
+    return [line for line in errors.splitlines() if not re.search(r": \d+ of \d+ cases, ", line)]
+
+
 def ended(pids) -> bool:
     """Whether none of the processes runs any more."""
     states = [Path(f"/proc/{pid}/stat") for pid in pids]
@@ -81,7 +87,7 @@ def ended(pids) -> bool:
 
 def test_a_grid(push):
     run = process(*GRID)
-    assert (run.returncode, run.stderr) == (0, "")
+    assert run.returncode == 0 and told(run.stderr) == []
     title, *lines = run.stdout.splitlines()
     assert title == "push: 10 of 10 cases solved"
     fields = dict(line.split(maxsplit=1) for line in lines)
@@ -136,7 +142,7 @@ def test_mistakes_in_the_section(folder, section, says):
 
 def test_cases_that_fail_are_told_by_their_reason(push):
     run = process("sweep", "push.yaml", "--over", "parameters.l=1,8,9", "-j", "2")
-    assert (run.returncode, run.stderr) == (1, "")
+    assert run.returncode == 1 and told(run.stderr) == []
     title, cases, failed, *_ = run.stdout.splitlines()
     assert (title, cases) == ("push: 1 of 3 cases solved", "cases       3, 1 solved, 2 failed")
     assert failed.startswith("failed      2 cases ")
@@ -148,7 +154,7 @@ def test_a_mistake_that_only_a_worker_finds(push):
     arguments = ["--over", "states.x.lower=-1,1.5", "--over", "parameters.l=2,1", "--set", "states.x.initial="]
     run = process("sweep", "push.yaml", *arguments)
     assert run.returncode == 2
-    assert run.stderr.startswith("error: --over states.x.lower=1.5, parameters.l=1: push.yaml:")
+    assert told(run.stderr)[0].startswith("error: --over states.x.lower=1.5, parameters.l=1: push.yaml:")
     assert run.stdout.startswith("push: 3 of 4 cases solved\n") and len(table("push-sweep")) == 4
 
 
@@ -179,7 +185,7 @@ def test_a_killed_worker_changes_nothing_but_time(folder, server):
         if server:
             os.kill(next(pid for pid, line in children(run.pid).items() if "forkserver" in line), signal.SIGKILL)
         out, err = run.communicate(timeout=PATIENCE)
-    assert (run.returncode, err) == (0, "")
+    assert run.returncode == 0 and told(err) == []
     assert out.startswith("cart-pole swing-up: 6 of 6 cases solved\n")
     assert [row["case"] for row in table("cartpole-sweep")] == list("012345")
 

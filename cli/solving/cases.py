@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.schema.solving import MAX_CASES
+from ...problems.schema.solving import MAX_CASES, MAX_SEED
 from ...problems.text import brief
 
 if TYPE_CHECKING:
     from ...problems.schema.spec import Spec
     from ...results.sweep.axes import Axis
     from ...results.sweep.plan import Plan
-
-LARGEST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ def planned(asked: Asked, spec: Spec, given: Sequence[str]) -> tuple[Plan, bool]
     else:
         axes = _axes(asked, spec, sample is not None)
         if sample is not None:
-            seed = whole("--seed", asked.seed, 0, LARGEST_SEED) if asked.seed else section.seed if section else 0
+            seed = whole("--seed", asked.seed, 0, MAX_SEED) if asked.seed else section.seed if section else 0
             plan = plans.sampled(axes, sample, seed)
         elif asked.zip or (section and section.zip):
             plan = plans.zipped(axes)

@@ -12,23 +12,23 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
-MAX_AXES, MAX_CASES = 20, 1_000_000
+MAX_AXES, MAX_CASES, MAX_SEED = 20, 1_000_000, 2**32 - 1
 """Of a sweep."""
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
 
-def _whole_number(largest: int, of: str) -> Any:
-    """The type of a whole number from 1 to the largest."""
+def _whole_number(largest: int, of: str, smallest: int = 1) -> Any:
+    """The type of a whole number from the smallest to the largest."""
 
     def whole(value: Any) -> int:
         is_whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
-        if not is_whole or not 1 <= value <= largest:
+        if not is_whole or not smallest <= value <= largest:
             what = f"this is no number of {of}: {in_words(value)}"
-            raise mistake(what, f"write a whole number from 1 to {largest}")
+            raise mistake(what, f"write a whole number from {smallest} to {largest}")
         return int(value)
 
-    schema = {"type": "integer", "minimum": 1, "maximum": largest}
+    schema = {"type": "integer", "minimum": smallest, "maximum": largest}
     return Annotated[Any, PlainValidator(whole), WithJsonSchema(schema)]
 
 
@@ -36,9 +36,10 @@ if TYPE_CHECKING:
     Substeps = int
     Meshes = int
     Cases = int
+    Seed = int
 else:
     Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
-    Cases = _whole_number(MAX_CASES, "cases")
+    Cases, Seed = _whole_number(MAX_CASES, "cases"), _whole_number(MAX_SEED, "a sample", smallest=0)
 
 
 class MeshEntry(Entry):
@@ -159,5 +160,5 @@ class Sweep(Entry):
     )
     zip: bool = Field(False, description="go through the axes together (true) or solve every combination; default so")
     sample: Cases | None = Field(None, description="number of cases of a Latin hypercube over the ranges; default none")
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="whole number that the sample depends on; default 0")
+    seed: Seed = Field(0, description="whole number that the sample depends on; default 0")
     chain: bool = Field(False, description="start each case from the case before it (true); default from the guess")
