@@ -21,6 +21,7 @@ from .result_files.show import show
 from .result_files.verify import verify
 from .solving.reproduce import reproduce
 from .solving.solve import solve
+from .solving.sweep import sweep
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it made itself a cache folder, if the home is no place
 
@@ -37,7 +38,7 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, check, explain, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
+    solve, sweep, check, explain, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

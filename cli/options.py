@@ -30,6 +30,7 @@ Segments = Annotated[
     str | None, typer.Option("--segments", metavar="N", help="Segments of the last mesh; refinement starts on it.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON, one object on each line, in place of tables.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Picture = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Name of the picture, or a folder.")
 ]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import typer
 
-from ..problems.errors import FileError, Mistake
+from ..problems.errors import FileError, Mistake, SpecError
+from ..transcription.loading import STDIN
 
+PIPED = "-"
 NAMES = ("stdin", "stdout", "stderr")
 
 
@@ -23,6 +25,21 @@ def open_closed_ones() -> None:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, which is this one
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(descriptor, "w" if descriptor else "r", closefd=False))
+
+
+def piped_text(files: Sequence[str]) -> str | None:
+    """What is read from standard input where one of the files is "-"; None if none is. Raises SpecError, FileError."""
+    if PIPED not in files:
+        return None
+    from ..problems.yaml.document import MAX_BYTES, decode
+
+    if files.count(PIPED) > 1:
+        raise SpecError(Mistake(STDIN, "it is given twice", "write - once"))
+    try:
+        content = sys.stdin.buffer.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise FileError(Mistake(STDIN, f"it cannot be read ({error.strerror})", "pipe a problem file in")) from error
+    return decode(content, STDIN)
 
 
 def flush() -> None:

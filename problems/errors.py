@@ -28,6 +28,9 @@ class TrajoptError(Exception):
         self.mistakes = (mistakes,) if isinstance(mistakes, Mistake) else tuple(mistakes)
         super().__init__("\n".join(map(str, self.mistakes)))
 
+    def __reduce__(self) -> tuple[type[TrajoptError], tuple[tuple[Mistake, ...]]]:
+        return type(self), (self.mistakes,)  # not the text: an error may come from another process
+
 
 class SpecError(TrajoptError):
     """The problem file, an override, or a command-line value is wrong (exit code 2)."""

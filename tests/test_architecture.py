@@ -172,9 +172,12 @@ def test_every_module_is_named_in_the_design_notes(layer):
     assert rooms == found
 
 
-def test_only_the_room_of_result_files_knows_hdf5():
+def test_only_the_rooms_of_result_files_and_of_sweeps_know_hdf5():
     importing = {path for path in FILES if re.search(r"^ *(import|from) h5py", path.read_text(), re.M)}
-    assert {path.parent.relative_to(ROOT).as_posix() for path in importing} == {"results/file"}
+    assert {path.parent.relative_to(ROOT).as_posix() for path in importing} == {
+        "results/file",
+        "results/sweep",
+    }
 
 
 def test_what_depends_on_a_method_or_a_constraint_is_asked_of_it():

@@ -50,7 +50,7 @@ def run(options=None, start=None, progress=None, stop=None):
 
 
 def test_every_status_of_cyipopt_is_told_in_words():
-    ipopt._cyipopt()
+    ipopt.load_library()
     import ipopt_wrapper
 
     codes = {status.code for status in Status}

@@ -33,6 +33,7 @@ FULL = {
     ],
     "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "seconds": 60, "max_iter": 100},
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
+    "sweep": {"over": {"parameters.c": "1:2:3"}, "zip": False, "sample": 4, "seed": 1, "chain": False},
 }
 # Keys that exclude others of the full file.
 OTHERS = {

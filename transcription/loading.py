@@ -16,8 +16,8 @@ if TYPE_CHECKING:  # `trajopt --help` imports this module; it needs no pydantic
     from ..problems.problem import Problem
     from ..problems.schema.spec import Spec
 
-TEXT = "text"
-"""The name, in messages, of a problem file that is none: a text."""
+TEXT, STDIN = "text", "standard input"
+"""The names, in messages, of problem files that are none: a text, and what was piped in."""
 
 
 def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
@@ -36,13 +36,18 @@ def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
     return _with_methods_checked(load(find_problem(name), overrides, tuple(METHODS), check_engine_options))
 
 
-def load_yaml(text: str, overrides: Sequence[str] = ()) -> Spec:
-    """As `load_file`, from the text of a problem file; messages call it "text"."""
+def load_yaml(text: str, overrides: Sequence[str] = (), file: str = TEXT) -> Spec:
+    """As `load_file`, from the text of a problem file.
+
+    text: YAML.
+    overrides: as of `load_file`.
+    file: the name used in messages; without its suffix, the name of a problem that gives none.
+    """
     from ..problems.load import load_text
     from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
-    return _with_methods_checked(load_text(text, TEXT, overrides, tuple(METHODS), check_engine_options))
+    return _with_methods_checked(load_text(text, file, overrides, tuple(METHODS), check_engine_options))
 
 
 def _with_methods_checked(spec: Spec) -> Spec:
@@ -53,8 +58,12 @@ def _with_methods_checked(spec: Spec) -> Spec:
     return spec
 
 
-def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list[Spec]:
+def load_all(files: Sequence[str], overrides: Sequence[str] = (), stdin: str | None = None) -> list[Spec]:
     """Several specs as of `load_file`.
+
+    files: names.
+    overrides: of all of them.
+    stdin: the text that the name "-" stands for; None if it is a name like any other.
 
     Raises SpecError with the mistakes of all files, or the FileError of the first that cannot be read.
     """
@@ -62,7 +71,8 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = ()) -> list[Spec]:
     mistakes: list[Mistake] = []
     for name in files:
         try:
-            specs.append(load_file(name, overrides))
+            piped = name == "-" and stdin is not None
+            specs.append(load_yaml(stdin or "", overrides, STDIN) if piped else load_file(name, overrides))
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -8,6 +8,7 @@ from ...transcription.loading import build_checked, load_all
 from ..errors import command
 from ..options import Files, Set, overrides
 from ..output.printing import one_line, plural
+from ..streams import piped_text
 
 
 @command
@@ -16,7 +17,7 @@ def check(files: Files, *, set_: Set = None) -> None:
 
     Example: trajopt check my_problem.yaml
     """
-    specs = load_all(files, overrides(set_))
+    specs = load_all(files, overrides(set_), piped_text(files))
     build_checked(specs)
     for spec in specs:
         for warning in spec.warnings:

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ...transcription.loading import build_checked, load_all
+from ...transcription.loading import STDIN, build_checked, load_all
 from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
-from ..options import Files, Force, Json, Method, Segments, Set, overrides
+from ..options import Files, Force, Json, Method, Quiet, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..signals import Stop
-from ..streams import native_output
+from ..streams import native_output, piped_text
 
 if TYPE_CHECKING:
     from ...problems.problem import Guess, Problem
@@ -40,7 +40,6 @@ Accuracy = Annotated[
 TimeLimit = Annotated[
     str | None, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")
 ]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but errors.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[
     Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")
@@ -72,9 +71,10 @@ def solve(
     Example: trajopt solve cartpole --set parameters.u_max=12 -o swing.h5
 
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
-    first is solved.
+    first is solved. FILE may be - for standard input, whose result goes to stdin.h5.
     """
-    specs = load_all(files, overrides(set_, method, segments, tol, refine, time_limit, accuracy))
+    given = overrides(set_, method, segments, tol, refine, time_limit, accuracy)
+    specs = load_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
@@ -118,7 +118,7 @@ class _Job:
 
 def _targets(specs: list[Spec], output: str | None) -> list[Path]:
     """Where each result goes; two problems may not go to one file."""
-    names = [Path(spec.file).stem + ".h5" for spec in specs]
+    names = ["stdin.h5" if spec.file == STDIN else Path(spec.file).stem + ".h5" for spec in specs]
     if output is not None and not Path(output).is_dir():
         if len(specs) == 1 and not output.endswith(os.sep):
             return [Path(output)]

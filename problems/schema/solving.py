@@ -12,29 +12,34 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
+MAX_AXES, MAX_CASES, MAX_SEED = 20, 1_000_000, 2**32 - 1
+"""Of a sweep."""
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
 """The first mesh where the file gives none; refinement is then on."""
 
 
-def _whole_number(largest: int, of: str) -> Any:
-    """The type of a whole number from 1 to the largest."""
+def _whole_number(largest: int, of: str, smallest: int = 1) -> Any:
+    """The type of a whole number from the smallest to the largest."""
 
     def whole(value: Any) -> int:
         is_whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
-        if not is_whole or not 1 <= value <= largest:
+        if not is_whole or not smallest <= value <= largest:
             what = f"this is no number of {of}: {in_words(value)}"
-            raise mistake(what, f"write a whole number from 1 to {largest}")
+            raise mistake(what, f"write a whole number from {smallest} to {largest}")
         return int(value)
 
-    schema = {"type": "integer", "minimum": 1, "maximum": largest}
+    schema = {"type": "integer", "minimum": smallest, "maximum": largest}
     return Annotated[Any, PlainValidator(whole), WithJsonSchema(schema)]
 
 
 if TYPE_CHECKING:
     Substeps = int
     Meshes = int
+    Cases = int
+    Seed = int
 else:
     Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
+    Cases, Seed = _whole_number(MAX_CASES, "cases"), _whole_number(MAX_SEED, "a sample", smallest=0)
 
 
 class MeshEntry(Entry):
@@ -147,3 +152,17 @@ class Reference(Entry):
     objective: Number = Field(description="the known value")
     tolerance: Number = Field(1e-6, description="absolute difference allowed; default 1e-6")
     source: Text = Field("", description="where the value comes from")
+
+
+class Sweep(Entry):
+    """The cases of `trajopt sweep`; nothing else looks at it."""
+
+    over: dict[str, Any] = Field(
+        min_length=1,
+        max_length=MAX_AXES,
+        description='path of a field -> its values: "START:STOP:COUNT", "log:START:STOP:COUNT", or a list',
+    )
+    zip: bool = Field(False, description="go through the axes together (true) or solve every combination; default so")
+    sample: Cases | None = Field(None, description="number of cases of a Latin hypercube over the ranges; default none")
+    seed: Seed = Field(0, description="whole number that the sample depends on; default 0")
+    chain: bool = Field(False, description="start each case from the case before it (true); default from the guess")

@@ -20,7 +20,7 @@ from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
-from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver
+from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
 
 
 class Spec(Entry):
@@ -86,6 +86,7 @@ class Spec(Entry):
     )
     solver: Solver = Field(Solver(), description="engine, accept, coarse_start, options of the engine such as max_iter")
     reference: Reference | None = Field(None, description="known objective to compare with")
+    sweep: Sweep | None = Field(None, description="what `trajopt sweep` varies: {over, zip, sample, seed, chain}")
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, json_schema_extra={"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}

@@ -61,14 +61,24 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
     if not any(state.name in group.get("dense/state", {}) for state in phase.states):
         names = ", ".join(state.name for state in phase.states)
         raise SpecError(Mistake(source, f"it has none of the states {names}", "give a result of a similar problem"))
-    dense, own = group["dense"], phase.guess
+    dense = group["dense"]
     time = dense["time"][:]
-    s = (time - time[0]) / (time[-1] - time[0])
     known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense[kind].items()}
+    parameters = {name: float(value[()]) for name, value in group["parameter"].items()}
+    s = (time - time[0]) / (time[-1] - time[0])
+    return adapted(Guess(float(time[0]), float(time[-1]), s, known, parameters), phase)
+
+
+def adapted(found: Guess, phase: Phase) -> Guess:
+    """The curves of another problem as a guess of this phase, whose own guess gives what they lack."""
+    own = phase.guess
     return Guess(
-        initial_time=phase.initial_time.clip(float(time[0])),
-        final_time=phase.final_time.clip(float(time[-1])),
-        s=s,
-        values={**own.samples(s), **{name: values for name, values in known.items() if name in own.values}},
-        parameters={**own.parameters, **{name: float(value[()]) for name, value in group["parameter"].items()}},
+        initial_time=phase.initial_time.clip(found.initial_time),
+        final_time=phase.final_time.clip(found.final_time),
+        s=found.s,
+        values={
+            **own.samples(found.s),
+            **{name: values for name, values in found.values.items() if name in own.values},
+        },
+        parameters={**own.parameters, **found.parameters},
     )

@@ -97,7 +97,7 @@ def solve_program(
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
         solver={
             "engine": "ipopt",
-            "ipopt": ".".join(map(str, _cyipopt().IPOPT_VERSION)),
+            "ipopt": ".".join(map(str, load_library().IPOPT_VERSION)),
             **chosen,
             "scaling": json.dumps(scaling.sizes if scaling else None),
         },
@@ -141,7 +141,7 @@ def _problem(**definition: Any) -> Any:
     IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
     file is empty: it would change results, write files and load libraries without a word.
     """
-    problem = _cyipopt().Problem(**definition)
+    problem = load_library().Problem(**definition)
     problem.add_option(OPTION_FILE, "")
     return problem
 
@@ -158,7 +158,7 @@ def _accepts(problem: Any, name: str, value: object) -> bool:
     return False
 
 
-def _cyipopt() -> Any:
+def load_library() -> Any:
     """Import cyipopt without scipy.optimize.
 
     cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
@@ -201,7 +201,7 @@ class _Callbacks:
             return function(z, *args)
         except NotFinite as error:
             self.failed = (np.array(z), error.names)
-            raise _cyipopt().CyIpoptEvaluationError from error
+            raise load_library().CyIpoptEvaluationError from error
 
     def objective(self, z: np.ndarray) -> float:
         return self._finite(self.nlp.objective, z)

@@ -1,0 +1,180 @@
+"""One case, in the process that solves it: a task in, an answer out, both plain data that pickle.
+
+Nothing is written here: the process that started the sweep does that, so that a worker may be killed at any moment,
+and may run where the folder is not.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from ...problems.errors import SpecError
+from ...problems.problem import Guess, Problem
+from ...problems.schema.spec import Spec
+from ...problems.text import short_repr
+from ...transcription.loading import build_checked, load_yaml, located
+from ...transcription.settings import settings_of, steps
+from ...transcription.solution.solution import Solution
+from ...transcription.solve import solve
+from ..file.guess import adapted
+from ..file.summary import causes, plain
+from ..file.write import image_of
+from .check import in_case
+
+INTERRUPTED, MISTAKE, ERROR, WORKER_DIED = "interrupted", "mistake", "error", "worker died"
+"""What can become of a case besides the statuses of the engine."""
+
+Curves = Mapping[str, Guess]
+"""Name of a phase -> its curves."""
+
+
+@short_repr
+@dataclass(frozen=True)
+class Task:
+    """One case to be solved.
+
+    number: of the case. values: path -> value, as YAML, of what is swept. text, file: the problem file. overrides:
+    those of the command line, for every case. origin: the case to start from and its curves; None for the guess of the
+    file. full: whether the image of the result file is wanted. command: that it tells.
+    """
+
+    number: int
+    values: Mapping[str, str]
+    text: str
+    file: str
+    overrides: tuple[str, ...]
+    origin: tuple[int, Curves] | None = None
+    full: bool = False
+    command: str = ""
+
+
+@short_repr
+@dataclass(frozen=True)
+class Answer:
+    """What became of a case: a record that JSON can hold, see `record_of`; its curves and its result file if asked."""
+
+    record: dict[str, Any]
+    curves: Curves = field(default_factory=dict)
+    image: bytes | None = None
+
+
+_watched: list[Any] = []
+
+
+def watch(flag: Any) -> None:
+    """From now on the solves of this process end when `flag.value` is not zero; None for no flag."""
+    _watched[:] = [] if flag is None else [flag]
+
+
+def _stop() -> bool:
+    return any(flag.value for flag in _watched)
+
+
+def solve_case(task: Task) -> Answer:
+    """Solve one case. A mistake in it, or a bug of ours, is a record as well: neither ends a sweep."""
+    began = time.perf_counter()
+    try:
+        answer = _solved(task)
+    except SpecError as error:
+        told = " ".join(str(in_case(mistake, task.values)) for mistake in error.mistakes)
+        answer = Answer(failed(task.number, task.values, MISTAKE, told))
+    except Exception as error:
+        told = f"{type(error).__name__}: {error}"
+        answer = Answer(failed(task.number, task.values, ERROR, told))
+    return replace(answer, record={**answer.record, "seconds": time.perf_counter() - began})
+
+
+def failed(number: int, values: Mapping[str, str], status: str, message: str) -> dict[str, Any]:
+    """The record of a case that has no solution.
+
+    number: of the case.
+    values: path -> value of what is swept.
+    status: one word.
+    message: a sentence.
+    """
+    head = {"case": number, "key": "", "values": dict(values), "status": status, "solved": False, "message": message}
+    numbers = {"objective": None, "objective_error": None, "iterations": 0, "seconds": 0.0, "final_time": None}
+    return {**head, "inaccurate": "", "start": "", **numbers, "initial": {}, "final": {}, "parameters": {}}
+
+
+def _solved(task: Task) -> Answer:
+    overrides = [*task.overrides, *(f"{path}={value}" for path, value in task.values.items())]
+    spec = load_yaml(task.text, overrides, task.file)
+    (problems,) = build_checked([spec])
+    with located(spec):
+        solution, start = _tried(task, spec, problems)
+    record = record_of(task, solution, start, _key(spec, overrides))
+    if _stop() and not solution.solved:
+        record["status"] = INTERRUPTED
+    curves = {t.phase.name: _curves(t) for t in solution.trajectories} if solution.solved else {}
+    image = image_of(solution, spec.text, spec.model_dump_json(), task.command, spec.overrides) if task.full else None
+    return Answer(record, curves, image)
+
+
+def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, str]:
+    """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
+    schedule, settings = steps(spec.mesh), settings_of(spec)
+    if task.origin:
+        neighbour, curves = task.origin
+        phases = problems[0].phases
+        guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
+        solution = solve(problems, schedule, settings, guess=guess, stop=_stop)
+        if solution.solved or _stop():
+            return solution, f"case {neighbour}"
+    return solve(problems, schedule, settings, stop=_stop), "guess"
+
+
+def _key(spec: Spec, overrides: list[str]) -> str:
+    """The name of a case: a hash of the problem with every default, and of what made it of the file."""
+    resolved = [spec.model_dump(mode="json", exclude={"sweep"}), overrides]
+    return sha256(json.dumps(resolved, sort_keys=True).encode()).hexdigest()[:20]
+
+
+def _curves(trajectory: Any) -> Guess:
+    """The solution at the points of its mesh, as a guess."""
+    s = trajectory.mesh.fractions
+    values = {name: np.nan_to_num(curve) for name, curve in trajectory.samples(s).items()}
+    return Guess(trajectory.initial_time, trajectory.final_time, s, values, dict(trajectory.parameters))
+
+
+def record_of(task: Task, solution: Solution, start: str, key: str) -> dict[str, Any]:
+    """What the index, the table and the arrays hold of a case.
+
+    task: the case.
+    solution: solved or not.
+    start: what it was started from.
+    key: its name.
+    """
+    first, last = solution.trajectories[0], solution.trajectories[-1]
+    why = causes(solution.trouble, solution.violations)[:1]
+    record = {
+        "case": task.number,
+        "key": key,
+        "values": dict(task.values),
+        "status": solution.status.name.lower(),
+        "solved": solution.solved,
+        "message": "; ".join([solution.status.message, *why]),
+        "inaccurate": solution.inaccurate if solution.solved else "",
+        "start": start,
+        "objective": solution.objective,
+        "objective_error": solution.objective_error.bar,
+        "iterations": sum(mesh.iterations for mesh in solution.meshes),
+        "seconds": 0.0,
+        "final_time": last.final_time,
+        "initial": _ends(first, 0),
+        "final": _ends(last, -1),
+        "parameters": dict(last.parameters),
+    }
+    told: dict[str, Any] = plain(record)
+    return told
+
+
+def _ends(trajectory: Any, index: int) -> dict[str, float]:
+    return {state.name: values[index] for state, values in zip(trajectory.phase.states, trajectory.x, strict=True)}

@@ -1,0 +1,47 @@
+"""The small result of a case as bytes: its record and its curves, each with a check sum."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+
+from ...problems.problem import Guess
+from .case import Curves
+
+BROKEN = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError)
+"""What `unpacked` may raise."""
+
+
+def packed(record: Mapping[str, Any], curves: Curves) -> bytes:
+    """The content of the file."""
+    arrays: dict[str, Any] = {"record": np.frombuffer(json.dumps(record).encode(), np.uint8)}
+    heads = {}
+    for name, guess in curves.items():
+        heads[name] = [guess.initial_time, guess.final_time, dict(guess.parameters), list(guess.values)]
+        arrays[f"{name}|s"] = guess.s
+        arrays[f"{name}|values"] = np.array(list(guess.values.values()))
+    arrays["curves"] = np.frombuffer(json.dumps(heads).encode(), np.uint8)
+    stream = BytesIO()
+    np.savez(stream, **arrays)
+    return stream.getvalue()
+
+
+def unpacked(content: bytes) -> tuple[dict[str, Any], Curves]:
+    """The way back. Raises one of BROKEN if a part is missing or differs from its check sum."""
+    with zipfile.ZipFile(BytesIO(content)) as parts:
+        if parts.testzip() is not None:
+            raise ValueError("a check sum is wrong")
+    with np.load(BytesIO(content), allow_pickle=False) as arrays:
+        record, heads = (json.loads(arrays[name].tobytes()) for name in ("record", "curves"))
+        curves = {
+            name: Guess(
+                t0, tF, arrays[f"{name}|s"], dict(zip(names, arrays[f"{name}|values"], strict=True)), parameters
+            )
+            for name, (t0, tF, parameters, names) in heads.items()
+        }
+    return record, curves
