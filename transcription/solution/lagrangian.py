@@ -188,7 +188,12 @@ class PhaseLagrangian:
         return hamiltonian, self._constrained(at, samples)
 
     def at_points(self) -> Samples:
-        """The collocation points, in one row of weights (1, M)."""
+        """The collocation points, in one row of weights (1, M).
+
+        What is simulated has none: there the Gauss points of the terms, for which the costates have their full order.
+        """
+        if any(group.scheme.simulated for group in self.mesh.groups):
+            return _joined([self._samples(group) for group in self.mesh.groups])
         tr, points = self.trajectory, self.mesh.collocated
         t, x, u, f = (a[..., points] for a in (tr.times, tr.x, tr.u, tr.f))
         costate = self.sense * tr.point_costate[:, points]
@@ -256,3 +261,10 @@ class PhaseLagrangian:
         for c in self.of_controls:
             L = L + np.interp(s, c.s, c.density) * self._values(c.function, t, x, u)
         return (L[n:] - L[:n]) / (2 * step[:, None, None])
+
+
+def _joined(parts: list[Samples]) -> Samples:
+    """All samples in one row."""
+    names = ("t", "s", "x", "dx", "costate", "u")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names}
+    return Samples(**arrays, weights=np.concatenate([part.weights.ravel() for part in parts])[None])
