@@ -49,6 +49,7 @@ def candidates(u: np.ndarray, within: np.ndarray) -> np.ndarray:
         unit.append(np.stack(np.meshgrid(*[[0.0, 1.0]] * n)).reshape(n, -1))
     lower, width = within[0][:, None], np.diff(within, axis=0).T
     others = u[:, np.linspace(0, u.shape[1] - 1, OTHER_TIMES).astype(int)]
+    others = np.clip(others, *within[:, :, None])
     return np.concatenate([lower + width * np.concatenate(unit, axis=1), others], axis=1)
 
 

@@ -188,12 +188,24 @@ class PhaseLagrangian:
         return hamiltonian, self._constrained(at, samples)
 
     def at_points(self) -> Samples:
-        """The collocation points, in one row of weights (1, M)."""
+        """The collocation points, in one row of weights (1, M); of what is simulated, those of each segment."""
         tr, points = self.trajectory, self.mesh.collocated
+        if any(group.scheme.simulated for group in self.mesh.groups):
+            return _joined([self._simulated_points(group) for group in self.mesh.groups])
         t, x, u, f = (a[..., points] for a in (tr.times, tr.x, tr.u, tr.f))
         costate = self.sense * tr.point_costate[:, points]
         weights = self.mesh.weights[points] * self.duration
         return Samples(t, self.mesh.fractions[points], x, f, costate, self._inputs(t, x, u), weights[None])
+
+    def _simulated_points(self, group: Group) -> Samples:
+        """The points of simulated segments, with costates of their full order."""
+        tr, scheme = self.trajectory, group.scheme
+        points = group.collocated.ravel()
+        costate = self._simulated_costate(group, np.asarray(scheme.sigma)[list(scheme.collocated)])
+        t, x, u, f = (a[..., points] for a in (tr.times, tr.x, tr.u, tr.f))
+        weights = (self.mesh.widths[group.segments, None] * scheme.b).ravel() * self.duration
+        s = self.mesh.fractions[points]
+        return Samples(t, s, x, f, costate.reshape(len(x), -1), self._inputs(t, x, u), weights[None])
 
     def sizes(self, samples: Samples) -> np.ndarray:
         """The largest modulus of each term of H at samples."""
@@ -256,3 +268,10 @@ class PhaseLagrangian:
         for c in self.of_controls:
             L = L + np.interp(s, c.s, c.density) * self._values(c.function, t, x, u)
         return (L[n:] - L[:n]) / (2 * step[:, None, None])
+
+
+def _joined(parts: list[Samples]) -> Samples:
+    """All samples in one row."""
+    names = ("t", "s", "x", "dx", "costate", "u")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names}
+    return Samples(**arrays, weights=np.concatenate([part.weights.ravel() for part in parts])[None])
