@@ -81,7 +81,12 @@ def excerpt(text: str, start: int, stop: int, margin: int = 30) -> str:
 
 
 def nearest(word: str | int, known: Iterable[str | int], likeness: float = 0.6) -> str | None:
-    """The known word most like this one, or None if none is like it."""
+    """The known word most like this one, or None if none is like it.
+
+    word: as the user wrote it.
+    known: the words it may be.
+    likeness: that a word must have, from 0 to 1.
+    """
     by_lower_case = {str(k).lower(): str(k) for k in known}
     found = difflib.get_close_matches(str(word).lower(), by_lower_case, n=1, cutoff=likeness)
     return by_lower_case[found[0]] if found else None

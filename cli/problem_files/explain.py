@@ -29,7 +29,7 @@ COLUMNS = ("give way", "from", "to", "unit", "when")
 def explain(
     sources: Sources, *, set_: Set = None, method: Method = None, segments: Segments = None, json_: Json = False
 ) -> None:
-    """Say whether all constraints can hold, and what would have to give way.
+    """Say whether all constraints can hold, or what must give way.
 
     Dynamics stay as they are; ends, times, constraints and bounds may be relaxed, each by itself as little as possible.
     Exit code 1 if something has to give way.
