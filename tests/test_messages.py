@@ -22,6 +22,7 @@ FULL = {
     "name": "full",
     "source": "a book",
     "note": "a remark",
+    "tags": ["free-time", "smooth"],
     "nonsmooth": {"tanh": [0.01]},
     "scaling": {"u": 5},
     "refine": {"tolerance": 1e-3, "max_meshes": 2, "objective": 1e-4},
