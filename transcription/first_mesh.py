@@ -60,10 +60,17 @@ def solve_first_mesh(
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
         best = _from_others(problem, best, run, limited)
-    if best[0].status in CONTRADICTORY and best[0].violations:
+    if _may_contradict(best[0], settings):
         end = time.monotonic() + max(SECONDS, TIMES * (now - began))
         best = _explained(problem, meshes, best, run, limited, start.guess)
     return _doubted(best)
+
+
+def _may_contradict(failed: Solution, settings: Settings) -> bool:
+    """Whether constraints may be the reason of a failure: not if the user cut it short, or something has run away."""
+    if failed.status not in CONTRADICTORY or not failed.violations:
+        return False
+    return failed.status is not Status.MAX_ITERATIONS or ("max_iter" not in settings.options and not failed.trouble)
 
 
 def _from_others(problem: Problem, first: Found, run: Callable[[Sequence[Curves]], Found], limited: Watch) -> Found:
