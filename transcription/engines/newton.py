@@ -99,7 +99,7 @@ class _Newton:
         self.nlp, self.options, self.progress, self.stop = nlp, options, progress, stop
         self.free = np.flatnonzero(lower != upper)
         self.z = np.where(lower == upper, lower, z)
-        self.y = start.y if start else np.zeros(nlp.m)
+        self.y = np.array(start.y) if start else np.zeros(nlp.m)
         self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
         self.failed: tuple[np.ndarray, list] | None = None
 
