@@ -21,7 +21,8 @@ Constraints   Bounds and path constraints, on a grid between the collocation poi
               control, where no mesh makes them hold.
 Reference     The objective beside the problem file's own reference, unless the command line changed the problem.
 
-Derivatives are taken by the complex step, so nothing here shares code with the derivatives that the solver used.
+Along the trajectory derivatives are taken by the complex step, so these checks share no code with the derivatives that
+the solver used. Pontryagin's check and the error bar share the Lagrangian of `objective_error`, and Starts is a solve.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -31,6 +32,17 @@ def trajopt(*arguments):
 def process(*arguments, **options):
     """A run as a user's shell starts it."""
     return subprocess.run([*TRAJOPT, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+
+
+@contextmanager
+def started(*arguments: str):
+    """A process that a test watches while it runs; it is killed when the test is done with it."""
+    run = subprocess.Popen([*TRAJOPT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        yield run
+    finally:
+        run.kill()
+        run.communicate()
 
 
 def solved_once(path: Path, *arguments, code: int = 0) -> Path:

@@ -4,6 +4,21 @@ import numpy as np
 
 from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
 
+RIVER = """\
+trajopt: 1
+name: crossing
+time: {initial: 0, final: 2}
+states:
+  x: {rate: v*u1, initial: 0}
+  y: {rate: v*u2, initial: 0, final: 0.1}
+  v: {rate: 0.5 - u2, initial: 0}
+controls: {u1: {}, u2: {}}
+constraints: {path: [{name: unit, expression: u1**2 + u2**2, equals: 1}]}
+objective: {maximize: {terminal: "x[final]"}}
+mesh: [{method: radau, segments: 20}]
+"""
+"""Crossing a river as far down as can be: x(2) = 1.712315; the zero guess leads to the lesser optimum 0.2523."""
+
 
 def fixed(value: float) -> Range:
     return Range(value, value)

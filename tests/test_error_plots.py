@@ -5,31 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from command_line import solved_once, trajopt
+from command_line import trajopt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from pictured import solved_in, titles
 
 from trajopt.results.file.read import read
 from trajopt.results.pictures import error_plots, mesh_plots
 
 pytestmark = pytest.mark.usefixtures("folder")
 
-SOLVES = {
-    "cartpole": ("cartpole", "--segments", "5"),
-    "unsolved": ("cartpole", "--segments", "5", "--set", "solver.max_iter=2"),
-    "pendulum": ("pendulum", "--segments", "20"),  # no costates
-    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # two meshes
-}
-
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     """name -> a result file, each solved once."""
-    folder = tmp_path_factory.mktemp("results")
-    return lambda name: solved_once(folder / f"{name}.h5", *SOLVES[name], code=int(name == "unsolved"))
-
-
-def titles(figure):
-    return [ax.get_title(loc="left").replace("\n", " ") for ax in figure.axes]
+    return solved_in(tmp_path_factory.mktemp("results"))
 
 
 def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):

@@ -11,22 +11,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from command_line import TRAJOPT
+from command_line import TRAJOPT, started
 
 pytestmark = pytest.mark.usefixtures("folder")
 
 LONG = ["solve", "cartpole", "--segments", "4000"]  # a second of building and another of solving
 PATIENCE = 60
-
-
-@contextmanager
-def started(*arguments: str):
-    run = subprocess.Popen([*TRAJOPT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield run
-    finally:
-        run.kill()
-        run.communicate()
 
 
 @contextmanager

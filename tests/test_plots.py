@@ -9,8 +9,9 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from command_line import process, solved_once, trajopt
+from command_line import process, trajopt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from pictured import solved_in, titles
 from PIL import Image
 
 from trajopt.problems.errors import SpecError
@@ -21,24 +22,11 @@ from trajopt.results.pictures.style import DPI, Numbers, drawn_by_us
 
 pytestmark = pytest.mark.usefixtures("folder")
 
-SOLVES = {
-    "cartpole": ("cartpole", "--segments", "5"),
-    "unsolved": ("cartpole", "--segments", "5", "--set", "solver.max_iter=2"),
-    "pendulum": ("pendulum", "--segments", "20"),  # no costates
-    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # two meshes, algebraic variables
-    "bounded": ("bryson_denham", "--segments", "6"),  # a path constraint on one state
-}
-
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     """name -> a result file, each solved once."""
-    folder = tmp_path_factory.mktemp("results")
-    return lambda name: solved_once(folder / f"{name}.h5", *SOLVES[name], code=int(name == "unsolved"))
-
-
-def titles(figure):
-    return [ax.get_title(loc="left").replace("\n", " ") for ax in figure.axes]
+    return solved_in(tmp_path_factory.mktemp("results"))
 
 
 def labels(ax):

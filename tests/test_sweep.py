@@ -8,12 +8,11 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 import pytest
-from command_line import TRAJOPT, process, strict_json, trajopt
+from command_line import process, started, strict_json, trajopt
 from test_sweep_store import TEXT
 
 from trajopt.results.sweep.engines import ClusterEngine, LocalEngine
@@ -40,16 +39,6 @@ def table(folder):
 def index(folder) -> list[dict]:
     path = Path(folder) / "index.jsonl"
     return [json.loads(line) for line in path.read_bytes().splitlines()] if path.exists() else []
-
-
-@contextmanager
-def started(*arguments):
-    run = subprocess.Popen([*TRAJOPT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield run
-    finally:
-        run.kill()
-        run.communicate()
 
 
 def children(pid: int) -> dict[int, str]:

@@ -3,6 +3,7 @@
 import h5py
 import numpy as np
 import pytest
+from exact import RIVER
 
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
@@ -36,22 +37,9 @@ def failed(checks) -> set[str]:
     return {name for name, check in checks.items() if not check.passed}
 
 
-RIVER = """
-time: {initial: 0, final: 2}
-states:
-  x: {rate: v*u1, initial: 0}
-  y: {rate: v*u2, initial: 0, final: 0.1}
-  v: {rate: 0.5 - u2, initial: 0}
-controls: {u1: {}, u2: {}}
-constraints: {path: [{name: unit, expression: u1**2 + u2**2, equals: 1}]}
-objective: {maximize: {terminal: "x[final]"}}
-mesh: [{method: radau, segments: 20}]
-"""
-
-
 def test_the_lesser_of_two_optima_fails_by_a_better_one(tmp_path):
     """With v < 0 at the end it has the least H over all controls at every time: only another solve can tell."""
-    solution = stored(tmp_path / "a.h5", load_text(HEAD + RIVER, "a.yaml"))
+    solution = stored(tmp_path / "a.h5", load_text(RIVER, "a.yaml"))
     assert solution.objective == pytest.approx(0.2523054, abs=1e-6)
     checks = checked(tmp_path / "a.h5")
     assert failed(checks) == {STARTS}
@@ -75,7 +63,7 @@ def _hamiltonian(a, b, x, p):
 
 
 def test_the_better_optimum_passes(tmp_path):
-    spec = load_text(HEAD + RIVER + "guess: {constants: {u1: 1, u2: 0.3}}\n", "a.yaml")
+    spec = load_text(RIVER + "guess: {constants: {u1: 1, u2: 0.3}}\n", "a.yaml")
     assert stored(tmp_path / "a.h5", spec).objective == pytest.approx(1.712315, abs=1e-6)
     checks = checked(tmp_path / "a.h5")
     assert not failed(checks) and {PONTRYAGIN, STARTS} <= set(checks)

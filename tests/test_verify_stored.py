@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from command_line import solved_once, trajopt
+from exact import RIVER
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
@@ -76,21 +77,6 @@ def test_unstable_dynamics_and_a_constant_state_are_no_failure(folder):
     checks = {check.name: check for check in verify(solved_once(folder / "unstable.h5", "unstable.yaml"))}
     assert all(check.passed for check in checks.values())
     assert "the dynamics are unstable" in checks["simulated x, relative to its range"].where
-
-
-RIVER = """
-trajopt: 1
-name: crossing
-time: {initial: 0, final: 2}
-states:
-  x: {rate: v*u1, initial: 0}
-  y: {rate: v*u2, initial: 0, final: 0.1}
-  v: {rate: 0.5 - u2, initial: 0}
-controls: {u1: {}, u2: {}}
-constraints: {path: [{name: unit, expression: u1**2 + u2**2, equals: 1}]}
-objective: {maximize: {terminal: "x[final]"}}
-mesh: [{method: radau, segments: 20}]
-"""
 
 
 def river(folder, guess: str):

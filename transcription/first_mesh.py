@@ -9,12 +9,11 @@ from dataclasses import replace
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.relax import explain
-from .one_mesh import Origin, Watch, solve_mesh
+from .one_mesh import Found, Limit, Origin, Watch, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
 from .starts import other_starts, without_effect
-from .warm import Solved
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -32,7 +31,8 @@ CONTRADICTORY = (
 )  # fmt: skip
 """Failures that constraints may be the reason of, if they are violated."""
 
-Found = tuple[Solution, Solved]
+Run = Callable[[Sequence[Curves], Limit], Found]
+"""A solve on the first mesh from other trajectories, until a limit is reached."""
 
 
 def solve_first_mesh(
@@ -51,18 +51,16 @@ def solve_first_mesh(
     best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
         return _doubted(best)
-    now = time.monotonic()
-    end = now + max(SECONDS, TIMES * (now - began))  # moved on for the second search
-    limited = replace(watch, stop=lambda: time.monotonic() > end or bool(watch.stop and watch.stop()))
+    seconds = max(SECONDS, TIMES * (time.monotonic() - began))
 
-    def run(guess: Sequence[Curves]) -> Found:
+    def run(guess: Sequence[Curves], limit: Limit) -> Found:
+        limited = replace(watch, stop=limit.reached)
         return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
-        best = _from_others(problem, best, run, limited)
+        best = _from_others(problem, best, run, Limit(seconds, watch.stop))
     if _may_contradict(best[0], settings):
-        end = time.monotonic() + max(SECONDS, TIMES * (now - began))
-        best = _explained(problem, meshes, best, run, limited, start.guess)
+        best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop), start.guess)
     return _doubted(best)
 
 
@@ -73,17 +71,17 @@ def _may_contradict(failed: Solution, settings: Settings) -> bool:
     return failed.status is not Status.MAX_ITERATIONS or ("max_iter" not in settings.options and not failed.trouble)
 
 
-def _from_others(problem: Problem, first: Found, run: Callable[[Sequence[Curves]], Found], limited: Watch) -> Found:
+def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Found:
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
     if own.status.usable and not idle:
         return first
     best, words, tried = first, "", 0
     for other in other_starts(problem, doubtful=own.status.usable):
-        if limited.stop and limited.stop():
+        if limit.reached():
             break
         tried += 1
-        found = run(other.guesses)
+        found = run(other.guesses, limit)
         if _better(found[0], best[0], problem.sense):
             best, words = found, other.words
             if not idle:
@@ -95,26 +93,23 @@ def _explained(
     problem: Problem,
     meshes: list[Mesh],
     best: Found,
-    run: Callable[[Sequence[Curves]], Found],
-    limited: Watch,
+    run: Run,
+    limit: Limit,
     guess: Sequence[Curves] | None,
 ) -> Found:
     """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way."""
     failed = best[0]
-    explanation = explain(problem, meshes, guess, stop=limited.stop)
+    explanation = explain(problem, meshes, guess, stop=limit.reached)
     if not explanation.settled:
         return best
     if not explanation.feasible:
         return replace(failed, relief=explanation.relief), best[1]
-    solution, solved = run(explanation.curves)
+    solution, solved = run(explanation.curves, limit)
     if solution.status.usable:
-        note = (
-            f"the start of the file failed ({failed.status.message}); this is the solution from a feasible trajectory"
-        )
-        return replace(solution, notes=(f"{note}, found with all constraints relaxed at a price",)), solved
-    return replace(failed, notes=(*failed.notes, "the constraints can all hold, but not near the starts tried")), best[
-        1
-    ]
+        note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
+        return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved
+    note = "the constraints can all hold, but the solve from a trajectory that violates none failed, too"
+    return replace(failed, notes=(*failed.notes, note)), best[1]
 
 
 def _doubted(found: Found) -> Found:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -44,6 +45,24 @@ TIGHTENING = {
 """Options of a solve that starts from a solution with a larger barrier parameter: it stays where it is."""
 
 
+Found = tuple[Solution, Solved]
+"""A solution, and what the next solve starts from."""
+
+
+class Limit:
+    """When a solve has to end: after some seconds from now, or when `stop` says so."""
+
+    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None) -> None:
+        self.end, self.stop = inf if seconds is None else time.monotonic() + seconds, stop
+
+    def reached(self) -> bool:
+        return self.asked() or time.monotonic() > self.end
+
+    def asked(self) -> bool:
+        """Whether it was `stop` that said so."""
+        return self.stop is not None and self.stop()
+
+
 @dataclass(frozen=True)
 class Watch:
     """Who looks on: `progress` and `stop` of `solve`, and the number of the solve that progress is told."""
@@ -69,7 +88,7 @@ class Origin:
 
 def solve_mesh(
     problem: Problem, meshes: Sequence[Mesh], tolerance: float, settings: Settings, start: Origin, watch: Watch
-) -> tuple[Solution, Solved]:
+) -> Found:
     """Solve on one mesh for each phase; also gives what the next solve starts from.
 
     problem: one that no method refuses on these meshes.
@@ -109,7 +128,7 @@ def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
 def _run(
     problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Origin, watch: Watch
-) -> tuple[Solution, Solved]:
+) -> Found:
     clock = [time.perf_counter()]
     with building():
         transcription = transcribe(problem, meshes, start.guess)
@@ -130,7 +149,7 @@ def _run(
 
 def _measured(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, tolerance: float, clock: list[float]
-) -> tuple[Solution, Solved]:
+) -> Found:
     """The solution of an outcome; clock: as of `_seconds`, but for the last time."""
     problem, mesh = transcription.problem, transcription.phases[0].mesh
     read = trajectories(transcription, outcome.z)
@@ -148,7 +167,7 @@ def _measured(
 
 
 @np.errstate(all="ignore")
-def tightened(found: tuple[Solution, Solved], settings: Settings, gap: float, watch: Watch) -> tuple[Solution, Solved]:
+def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Found:
     """The solution with a smaller barrier parameter, on the same mesh, from where it is; or as it is.
 
     The barrier leaves a gap between J and the optimum of the nonlinear program, the sum of multiplier times slack over
@@ -160,10 +179,11 @@ def tightened(found: tuple[Solution, Solved], settings: Settings, gap: float, wa
     watch: who looks on.
     """
     solution, solved = found
+    if settings.engine != "ipopt" or solution.status is not Status.SOLVED or "compl_inf_tol" in settings.options:
+        return found
     own = Multipliers(solved.transcription, solved.nlp, solved.outcome)
-    refused = settings.engine != "ipopt" or solution.status is not Status.SOLVED or "compl_inf_tol" in settings.options
     acting, count = own.acting_gap
-    if refused or (acting <= gap and own.gap <= IDLE * gap):
+    if acting <= gap and own.gap <= IDLE * gap:
         return found
     began = time.perf_counter()
     nlp, z, tolerance = solved.nlp, solved.outcome.z, solution.meshes[-1].tolerance

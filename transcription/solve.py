@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import count
-from math import inf
 
 import numpy as np
 
@@ -15,14 +13,13 @@ from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
-from .one_mesh import Origin, Watch, solve_mesh, tightened
+from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
 from .solution.solution import MeshRecord, Solution
 from .transcribe import refused
-from .warm import Solved
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -39,9 +36,6 @@ GAP_SHARE = 1e-3
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
-
-Found = tuple[Solution, Solved]
-"""A solution, and what the next solve starts from."""
 
 
 def planned(problem: Problem | Sequence[Problem], schedule: Sequence[Step]) -> list[Planned]:
@@ -105,7 +99,7 @@ class _Loop:
         stop: Callable[[], bool] | None,
     ) -> None:
         self.steps, self.scheduled, self.settings, self.progress = steps, len(steps), settings, progress
-        self.limit = _Limit(settings.seconds, stop)
+        self.limit = Limit(settings.seconds, stop)
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
         self.stopped = ""
@@ -128,7 +122,8 @@ class _Loop:
             if self.stopped or number + 1 == len(self.steps):
                 break
             if self.limit.reached():
-                self.stopped = f"{self.limit.why} before the next mesh"
+                why = "interrupted" if self.limit.asked() else "the time limit came"
+                self.stopped = f"{why} before the next mesh"
                 break
         return self._told()
 
@@ -137,7 +132,7 @@ class _Loop:
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
         solution, solved = run(*self.steps[number], self.settings, start, watch)
         self.notes += solution.notes
-        solution = self.limit.told(solution)
+        solution = _out_of_time(solution, self.limit)
         if self.last is None:
             return solution, solved
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
@@ -190,28 +185,12 @@ class _Loop:
         return Watch(self.progress, self.limit.reached, len(self.history))
 
 
-class _Limit:
-    """When a solve has to end: at the time limit, in seconds from now, or when `stop` says so."""
-
-    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None) -> None:
-        self.end, self.stop = inf if seconds is None else time.monotonic() + seconds, stop
-
-    def reached(self) -> bool:
-        return self._asked() or time.monotonic() > self.end
-
-    def _asked(self) -> bool:
-        return self.stop is not None and self.stop()
-
-    @property
-    def why(self) -> str:
-        return "interrupted" if self._asked() else "the time limit came"
-
-    def told(self, solution: Solution) -> Solution:
-        """The solution, whose status tells the time limit from an interruption."""
-        if solution.status is not Status.INTERRUPTED or self._asked():
-            return solution
-        meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
-        return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)
+def _out_of_time(solution: Solution, limit: Limit) -> Solution:
+    """The solution, whose status tells the time limit from an interruption."""
+    if solution.status is not Status.INTERRUPTED or limit.asked():
+        return solution
+    meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
+    return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)
 
 
 def _why_stopped(mesh: MeshRecord) -> str:

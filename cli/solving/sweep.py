@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from ...results.sweep.plan import Plan
     from ...results.sweep.store import Store
 
-TABLE, ARRAYS = "index.csv", "sweep.h5"
 MAX_TOLD = 10
 """Mistakes of cases that are told one by one."""
 
@@ -165,6 +164,7 @@ class _Run:
     def _write(self, told: str) -> None:
         """index.csv and sweep.h5, with what other shards have finished as well."""
         from ...results.sweep.dataset import write_arrays
+        from ...results.sweep.store import ARRAYS, TABLE
         from ...results.sweep.tables import write_table
 
         phase = self.problem.phases[0]

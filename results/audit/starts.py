@@ -17,7 +17,7 @@ from ...transcription.engines.outcome import Status
 from ...transcription.one_mesh import Origin, Watch, solve_mesh
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings
-from ...transcription.solution.objective_error import ObjectiveError, objective_error
+from ...transcription.solution.objective_error import ObjectiveError
 from ...transcription.solution.trajectory import Trajectory
 from ...transcription.starts import other_starts
 from ..file.reload import Reloaded
@@ -98,7 +98,7 @@ def _from(result: Reloaded, estimate: ObjectiveError, mesh: Mesh, origin: Origin
     solution, solved = solve_mesh(problem, meshes, TOLERANCE, settings, origin, Watch(None, None, 0))
     if solution.status is not Status.SOLVED:
         return None
-    other = objective_error(solved.transcription, solved.nlp, solved.outcome, solved.trajectories)
+    other = solution.objective_error
     if not other.applies:
         return None
     size = 1 + abs(result.objective)

@@ -18,6 +18,7 @@ import numpy as np
 from ...problems.files import replacing
 from ...problems.yaml.document import value_of
 from ..file.arrays import array_of, scale_of
+from ..file.arrays import texts as texts_of
 from .plan import GRID, Plan
 from .tables import SCALARS, TEXTS, Record, column, groups
 
@@ -39,16 +40,17 @@ def write_arrays(path: Path, plan: Plan, records: Mapping[int, Record], about: M
         scales = _scales(file, plan, taken, units)
         for name, words in SCALARS.items():
             unit = units.get("time", "") if name == "final_time" else "s" if name == "seconds" else ""
-            _add(file, name, _filled(plan, {n: r[name] for n, r in records.items()}, name), scales, words, unit)
+            values = _filled(plan, {n: r[name] for n, r in records.items()}, name)
+            array_of(file, name, values, scales, words, unit=unit)
         for group, name in pairs:
-            values = {n: r[group].get(name) for n, r in records.items()}
+            found = {n: r[group].get(name) for n, r in records.items()}
             words = f"{name} that was found" if group == "parameters" else f"{group} value of {name}"
-            _add(file, column(group, name), _filled(plan, values), scales, words, units.get(name, ""))
+            array_of(file, column(group, name), _filled(plan, found), scales, words, unit=units.get(name, ""))
         solved = np.array([bool(records.get(n, {}).get("solved")) for n in range(len(plan))], np.int8)
-        _add(file, "solved", solved.reshape(plan.shape), scales, "whether the case is solved, 1 or 0")
+        array_of(file, "solved", solved.reshape(plan.shape), scales, "whether the case is solved, 1 or 0")
         for name, words in TEXTS.items():
             texts = [records[n][name] if n in records else "missing" * (name == "status") for n in range(len(plan))]
-            _add(file, name, _texts(texts).reshape(plan.shape), scales, words)
+            array_of(file, name, texts_of(texts).reshape(plan.shape), scales, words)
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
@@ -89,11 +91,7 @@ def _coordinates(values: Sequence[str]) -> np.ndarray:
     plain = [value_of(value, "") for value in values]
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in plain):
         return np.array(plain)
-    return _texts(values)
-
-
-def _texts(texts: Sequence[str]) -> np.ndarray:
-    return np.array(list(texts), h5py.string_dtype())
+    return texts_of(values)
 
 
 def _filled(plan: Plan, values: Mapping[int, float | None], name: str = "") -> np.ndarray:
@@ -103,9 +101,3 @@ def _filled(plan: Plan, values: Mapping[int, float | None], name: str = "") -> n
         if value is not None:
             array[number] = value
     return array.reshape(plan.shape)
-
-
-def _add(
-    file: h5py.File, name: str, values: np.ndarray, scales: Sequence[h5py.Dataset], words: str, unit: str = ""
-) -> None:
-    array_of(file, name, values, scales, words, unit=unit)

@@ -32,7 +32,6 @@ from .small import BROKEN, packed, unpacked
 FORMAT, VERSION = "trajopt sweep", 1
 ABOUT, CASES, RESULTS = "sweep.json", "cases", "results"
 TABLE, ARRAYS = "index.csv", "sweep.h5"
-_OURS = (ABOUT, CASES, RESULTS, TABLE, ARRAYS)
 _COMPARED = {"text": "problem file", "overrides": "overrides", "design": "design", "axes": "axes", "chain": "chaining"}
 
 

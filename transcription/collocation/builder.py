@@ -7,8 +7,7 @@ residuals, bounds of states that are no variables, and integrals follow from the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from math import isfinite
 from typing import Any
 
@@ -24,44 +23,7 @@ from ..constraint_kinds import BOUND, BOUNDARY, INTEGRAL, PATH, PATH_END, RESIDU
 from ..layout import Family
 from ..program.templates import item
 from ..schemes.mesh import Mesh
-
-
-@dataclass(frozen=True)
-class Place:
-    """Points that one rule reaches.
-
-    over: the Set of the rule's index, or None for a single point. values: index -> the values at that point, by name.
-    weight: index -> its quadrature weight in time. points: (M,) the numbers of the points, and quadrature: (M,) their
-    weights for a phase of duration 1. computed: the states that are no variables there, with their ranges.
-    """
-
-    name: str
-    over: Any
-    values: Callable[[Any], dict]
-    weight: Callable[[Any], Any]
-    points: np.ndarray
-    quadrature: np.ndarray
-    computed: Mapping[str, Range]
-
-
-class Values(dict):
-    """Names -> Pyomo items, made when they are asked for: a defect asks for few of them, at several points."""
-
-    def __init__(self, makers: Mapping[str, tuple[Any, str]], k: Any, time: Callable[[Any], Any]) -> None:
-        super().__init__()
-        self.makers, self.k, self.time = makers, k, time
-
-    def __missing__(self, name: str) -> Any:
-        if name == "t":
-            self[name] = self.time(self.k)
-        else:
-            component, key = self.makers[name]
-            self[name] = item(component, key, self.k)
-        return self[name]
-
-    def names(self) -> list[str]:
-        """All names but t."""
-        return [*self.makers, *(name for name in self if name != "t" and name not in self.makers)]
+from .place import Place, Values
 
 
 class PhaseBuilder(ABC):

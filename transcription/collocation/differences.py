@@ -22,7 +22,8 @@ from ...problems.problem import Curves, Phase, Problem, Range, State
 from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.mesh import Mesh
-from .builder import PhaseBuilder, Place, Values
+from .builder import PhaseBuilder
+from .place import Place, Values
 
 
 def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:

@@ -26,7 +26,8 @@ from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
 from ..schemes.segment import Group
-from .builder import PhaseBuilder, Place, Values
+from .builder import PhaseBuilder
+from .place import Place, Values
 from .point_rows import PointRows, point_rows
 
 
