@@ -86,7 +86,7 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
     Raises SpecError with all that cannot be transcribed, in any of the files.
     """
     from ..problems.build import build_all
-    from .settings import steps
+    from .settings import schedule_of
     from .solve import planned
 
     built: list[list[Problem]] = []
@@ -95,7 +95,7 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
         try:
             with located(spec):
                 built.append(build_all(spec))
-                planned(built[-1], steps(spec.mesh))
+                planned(built[-1], schedule_of(spec))
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -151,7 +151,7 @@ def _measured(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, tolerance: float, clock: list[float]
 ) -> Found:
     """The solution of an outcome; clock: as of `_seconds`, but for the last time."""
-    problem, mesh = transcription.problem, transcription.phases[0].mesh
+    problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
@@ -159,7 +159,7 @@ def _measured(
     bar = objective_error(transcription, nlp, outcome, phases)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
-    record = _record(mesh, tolerance, objective, bar, errors, nlp, outcome, seconds)
+    record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
         problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
     )
@@ -225,7 +225,7 @@ def _seconds(clock: Sequence[float], nlp: NonlinearProgram) -> dict[str, float]:
 
 
 def _record(
-    mesh: Mesh,
+    grids: tuple[Mesh, ...],
     tolerance: float,
     objective: float,
     bar: ObjectiveError,
@@ -235,7 +235,7 @@ def _record(
     seconds: Mapping[str, float],
 ) -> MeshRecord:
     return MeshRecord(
-        mesh=mesh,
+        grids=grids,
         tolerance=tolerance,
         status=outcome.status,
         objective=objective,

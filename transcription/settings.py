@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..problems.phases.merge import phase_specs
 from ..problems.schema.solving import Engine, MeshEntry
 from ..problems.schema.spec import Spec
 from .engines.outcome import Status
@@ -37,8 +38,16 @@ class Step:
         return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
 
 
+def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:
+    """The mesh schedule of a problem file: for each of its entries one step for each phase.
+
+    Raises SpecError for an unknown method.
+    """
+    return list(zip(*(steps(own.mesh) for own in phase_specs(spec).values()), strict=True))
+
+
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
-    """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
+    """The mesh schedule of one phase. Raises SpecError for an unknown method."""
     keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
     return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container, Iterator
 from itertools import pairwise
 from math import inf, isfinite
 
@@ -10,9 +11,19 @@ from ..expressions.expression import Expression
 from ..expressions.slips import MAX_NAME, RESERVED
 from ..expressions.tree import leaves
 from ..models import find_model
-from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
+from ..names.occurrences import (
+    BOUNDARY,
+    CONSTANT,
+    boundary_names,
+    constraint_names,
+    constraints,
+    link_names,
+    residual_names,
+    uses,
+)
 from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
+from ..phases.order import ALONE
 from ..problem import Range
 from ..schema.declarations import TimeEnd
 from ..schema.fields import Bounded
@@ -39,11 +50,12 @@ _USED = {
 }
 
 
-def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Finding]]:
-    """Every mistake and every warning that concerns more than one value.
+def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
+    """Every mistake and every warning that concerns more than one value of a phase.
 
-    whole: whether every value is the file's own; else some stand for mistaken ones, and nothing can be computed that
-    needs all of them.
+    spec: of the phase by itself, see `phases.merge`.
+    whole: as of `checks.phases.check_spec`.
+    phase: its name; of several, none needs an objective.
     """
     if not spec.model and not spec.states:
         return [NO_STATES], []
@@ -69,12 +81,40 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
     if whole and not checker.errors:
-        checker.objective()
+        if phase == ALONE:
+            checker.objective()
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.unused()
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
+
+
+def name_trouble(name: str) -> tuple[str, str] | None:
+    """Why a name cannot be declared, whatever it is of, and the remedy; None if it can."""
+    if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
+        return f'"{brief(name)}" cannot be a name', f"use a letter, then letters, digits and _, at most {MAX_NAME}"
+    if name in RESERVED:
+        return f'the name "{name}" has a meaning of its own in expressions', f"choose another name, such as {name}1"
+    return None
+
+
+def check_names(spec: Spec) -> Iterator[Finding]:
+    """Names of links and of boundary constraints of the top level: words, and each once."""
+    given: set[str] = set()
+    links = [("links", i) for i, link in enumerate(spec.links) if link.expression is not None]
+    paths: list[Path] = [*links, *(("constraints", "boundary", i) for i in range(len(spec.constraints.boundary)))]
+    for path, name in zip(paths, link_names(spec) + boundary_names(spec), strict=True):
+        yield from title_troubles((*path, "name"), name, given)
+        given.add(name)
+
+
+def title_troubles(path: Path, name: str, given: Container[str]) -> Iterator[Finding]:
+    """What is wrong with the name of a constraint, if others are given already."""
+    if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
+        yield Finding(path, f'"{brief(name)}" cannot be a name', "use letters, digits, _, - and space")
+    if name in given:
+        yield Finding(path, f'another constraint is called "{name}" too', "give each its own name")
 
 
 class _Checker:
@@ -112,12 +152,8 @@ class _Checker:
 
     def name(self, path: Path, name: str, first: dict[str, str]) -> None:
         """One name; first: every name before it -> where it was declared."""
-        if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-            what = f'"{brief(name)}" cannot be a name'
-            self.error(path, what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
-        elif name in RESERVED:
-            remedy = f"choose another name, such as {name}1"
-            self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
+        if trouble := name_trouble(name):
+            self.error(path, *trouble)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
         first.setdefault(name, str(path[0]))
@@ -226,11 +262,7 @@ class _Checker:
         paths = [path for path, _ in constraints(self.spec)]
         paths += [("residuals", i) for i in range(len(self.spec.residuals))]
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
-            if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
-                what = f'"{brief(name)}" cannot be a name'
-                self.error((*path, "name"), what, "use letters, digits, _, - and space")
-            if name in given:
-                self.error((*path, "name"), f'another constraint is called "{name}" too', "give each its own name")
+            self.errors += title_troubles((*path, "name"), name, given)
             given.add(name)
 
     def static_guesses(self) -> None:
@@ -271,8 +303,12 @@ class _Checker:
                 self.inside(path, values, self.range(variable.path, variable.entry))
 
     def objective(self) -> None:
-        """The objective depends on something that is to be found."""
+        """There is an objective, and it depends on something that is to be found."""
         spec, terms = self.spec, self.spec.objective.terms
+        if terms.integral is None and terms.terminal is None:
+            remedy = "add integral: or terminal: with an expression"
+            self.error(("objective", spec.objective.sense), "the objective is empty", remedy)
+            return
         fixed = {f"t[{end}]" for end in ("initial", "final") if getattr(spec.time, end).value is not None}
         for state in self.symbols.states:
             ends = ("initial", "final")

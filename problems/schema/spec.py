@@ -19,6 +19,7 @@ from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
+from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
 
@@ -46,7 +47,7 @@ class Spec(Entry):
         description="name of a shipped model: it gives states, controls, algebraic variables, dynamics, constraints; "
         "the file its parameters, and bounds and ends where there are any",
     )
-    time: Time = Field(description="{initial, final, unit}")
+    time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")
     states: dict[str, StateEntry] = Field(
         {},
         max_length=MAX_NAMES,
@@ -65,6 +66,21 @@ class Spec(Entry):
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    phases: dict[str, PhaseEntry] = Field(
+        {},
+        max_length=MAX_PHASES,
+        description="in order, name -> what is of this phase alone: {time, states, constraints, objective, mesh, ...}",
+    )
+    links: list[LinkEntry] = Field(
+        [],
+        max_length=MAX_NAMES,
+        description="between phases; default: time and every state of one name go on in the next phase",
+    )
+    waypoints: list[Waypoint] = Field(
+        [],
+        max_length=MAX_PHASES - 1,
+        description="places to pass in order, [{x: 1, y: 2}]: short for phases that end there",
+    )
     nonsmooth: Nonsmooth | None = Field(
         None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
     )

@@ -221,7 +221,7 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     lines = [
         plain(f"{result.problem}: {status}", letters),
         plain(f"objective {result.objective:.8g}, max η {mesh.max_eta:.2g}", letters),
-        plain(f"{mesh.method}, {len(mesh.edges) - 1} segments", letters),
+        plain(f"{mesh.method}, {mesh.segments} segments", letters),
     ]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(lines[1:])]

@@ -10,7 +10,7 @@ from pathlib import Path
 from ...problems.build import build_all
 from ...problems.problem import Guess
 from ...transcription.loading import located
-from ...transcription.settings import settings_of, steps
+from ...transcription.settings import schedule_of, settings_of
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory
 from ...transcription.solve import solve as run
@@ -51,7 +51,7 @@ def solve(
     with python_words():
         start = _start(guess, problem)
         with located(spec):
-            solution = run(stages, steps(spec.mesh), settings_of(spec), guess=start, progress=progress, stop=stop)
+            solution = run(stages, schedule_of(spec), settings_of(spec), guess=start, progress=progress, stop=stop)
     return SolutionView(
         problem=problem,
         solved=solution.solved,

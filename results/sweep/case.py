@@ -20,7 +20,7 @@ from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
 from ...problems.text import short_repr
 from ...transcription.loading import build_checked, load_yaml, located
-from ...transcription.settings import settings_of, steps
+from ...transcription.settings import schedule_of, settings_of
 from ...transcription.solution.solution import Solution
 from ...transcription.solve import solve
 from ..file.guess import adapted
@@ -120,7 +120,7 @@ def _solved(task: Task) -> Answer:
 
 def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, str]:
     """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
-    schedule, settings = steps(spec.mesh), settings_of(spec)
+    schedule, settings = schedule_of(spec), settings_of(spec)
     if task.origin:
         neighbour, curves = task.origin
         phases = problems[0].phases

@@ -23,11 +23,11 @@ LARGEST_ERROR = 1e-2
 class MeshRecord:
     """How the solve on one mesh went; objective as the user wrote it, error as in `refine`, seconds by part.
 
-    objective_error: |J - J*| is at most that, NaN where there is no error bar. objective_corrected: the better value,
-    NaN with the bar.
+    grids: the mesh of each phase. objective_error: |J - J*| is at most that, NaN where there is no error bar.
+    objective_corrected: the better value, NaN with the bar.
     """
 
-    mesh: Mesh
+    grids: tuple[Mesh, ...]
     tolerance: float
     status: Status
     objective: float
@@ -39,6 +39,16 @@ class MeshRecord:
     unknowns: int
     constraints: int
     seconds: Mapping[str, float]
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of the first phase, of one phase the only one."""
+        return self.grids[0]
+
+    @property
+    def segments(self) -> int:
+        """Of all phases together."""
+        return sum(mesh.segments for mesh in self.grids)
 
 
 @short_repr
