@@ -37,6 +37,7 @@ from ..schemes.segment import Segment
 from ..schemes.table import METHODS
 from ..solution.error import ErrorProfile
 from ..solution.trajectory import Trajectory
+from ..solution.violation import of_phase
 from .switches import Switches
 
 MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same error
@@ -213,7 +214,8 @@ class _Segments:
     def told(self, s: int) -> str:
         """Segment s in words: where it is, and why it is not good enough."""
         knots, error = self.trajectory.knots, self.error
-        text = f"segment {s + 1}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
+        where = of_phase(self.trajectory.phase.name)
+        text = f"segment {s + 1}{where}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
         if self.excess[s] * self.trajectory.mesh.widths[s] > TOLERATED_EXCESS:
             name = max(error.excess, key=lambda name: error.excess[name][s])
             text += f", {name} exceeded by {self.excess[s]:.1e}"
