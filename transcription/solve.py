@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -50,7 +51,7 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     steps = [_plan(own, step) for own, step in zip(problems, schedule, strict=True)]
     mistakes = [
-        replace(mistake, where=mistake.where.replace("mesh", f"mesh.{number}", 1))
+        replace(mistake, where=re.sub(r"\bmesh\b", f"mesh.{number}", mistake.where, count=1))
         for number, (own, meshes, _) in enumerate(steps)
         for mistake in refused(own, meshes)
     ]

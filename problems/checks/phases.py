@@ -10,8 +10,9 @@ from ..expressions.tree import Operation, leaves, nodes
 from ..names.symbols import Symbols
 from ..phases.between import Between
 from ..phases.merge import home, phase_specs
-from ..phases.order import TIME, Passage, expression_links, goes_on_in_time, own_entries, passages
+from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
 from ..problem import Range
+from ..schema.declarations import OPEN_END, Time
 from ..schema.spec import Spec
 from ..text import did_you_mean
 from ..yaml.document import Path
@@ -38,6 +39,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         return errors, []
     own = phase_specs(spec)
     warnings: list[Finding] = []
+    open_ends = list(_open_ends(spec))
     for name, phase in own.items():
         if not phase.states and not phase.model:
             errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
@@ -47,6 +49,8 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         warnings += (_at_home(spec, name, finding) for finding in warned)
     if not all(phase.states or phase.model for phase in own.values()):
         return errors, []
+    if open_ends:
+        errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
     between = Between(symbols, Symbols(spec))
     connected = [*_expressions(spec, between), *check_names(spec)]
@@ -77,6 +81,21 @@ def _structure(spec: Spec) -> Iterator[Finding]:
             if link.expression is None and name not in names:
                 remedy = did_you_mean(name, names, f"the phases are {', '.join(names)}")
                 yield Finding(("links", i, key), f'there is no phase "{name}"', remedy)
+
+
+def _open_ends(spec: Spec) -> Iterator[Finding]:
+    """Nobody says when the first phase begins, or when the last ends."""
+    names = list(own_entries(spec))
+    before = forward(spec)
+    for end, where, outer in (
+        ("initial", "the first phase begins", [name for name in names if name not in before]),
+        ("final", "the last phase ends", [name for name in names if name not in before.values()]),
+    ):
+        missing = [name for name in outer if getattr(own_entries(spec)[name].time, end) is None]
+        if missing and getattr(spec.time, end) == OPEN_END:
+            remedy = f"write time: {{{end}: ...}}, at the top level or in the phase {missing[0]}"
+            path: Path = ("time",) if spec.time != Time() else ("phases", missing[0])
+            yield Finding(path, f"nothing says when {where}", remedy)
 
 
 def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
