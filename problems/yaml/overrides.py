@@ -33,10 +33,8 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
                 raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
             where = f"--set {shown.strip()}"
             new = value_of(value, where)
-            for path in [
-                *_paths(document.data, shown.strip(), where),
-                *_in_phases(document.data, shown.strip(), where),
-            ]:
+            meant = shown.strip()
+            for path in [*_paths(document.data, meant, where), *_in_phases(document.data, meant, where)]:
                 place = _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
                 new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
