@@ -11,8 +11,9 @@ from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import through_phases
-from .phases.links import links_of
+from .phases.links import in_order, links_of
 from .phases.merge import phase_specs
+from .phases.order import own_entries
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -30,9 +31,11 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     first = next(iter(builders.values()))
     symbols = {name: builder.symbols for name, builder in builders.items()}
     phases = [builder.phase() for builder in builders.values()]
+    if len(phases) > 1:
+        phases = list(map(in_order, phases))
     phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if len(phases) > 1 else ((), None)
+    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,

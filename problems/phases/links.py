@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Chain, Link, Name
@@ -12,6 +13,9 @@ from ..problem import Constraint, Function, Phase, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, passages
+
+DURATION = "duration"
+"""Name of the constraint that a phase does not end before it begins."""
 
 ZERO = Range(0.0, 0.0)
 
@@ -37,6 +41,16 @@ def links_of(
         links.append(Constraint(name, between.function(constraint.expression), bounds))
     terminal = spec.objective.terms.terminal
     return tuple(links), None if terminal is None else between.function(terminal)
+
+
+def in_order(phase: Phase) -> Phase:
+    """The phase, which does not end before it begins where its times leave that open."""
+    if phase.final_time.lower >= phase.initial_time.upper:
+        return phase
+    text = "t[final] - t[initial]"
+    last, first = Name(0, 0, TIME, "final"), Name(0, 0, TIME, "initial")
+    duration = Expression(text, Chain(0, len(text), last, (Link(0, len(text), "-", first),)))
+    return replace(phase, boundary=(*phase.boundary, Constraint(DURATION, duration, Range(lower=0.0))))
 
 
 def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...problems.phases.links import DURATION
 from ...problems.probe import names_asked
 from ...problems.problem import Phase, Range
 from ...transcription.constraint_kinds import LINK
@@ -76,7 +77,8 @@ def _free_passages(result: Reloaded) -> Iterator[tuple[str, str]]:
             for bounds, t in ((before.phase.final_time, before.t[1]), (after.phase.initial_time, after.t[0]))
         )
         named = {name for phase in (before.phase, after.phase) for name in _asked_at_ends(phase)}
-        if inside and not named & {"t[initial]", "t[final]"}:
+        lasting = min(float(np.ptp(before.t)), float(np.ptp(after.t))) > near
+        if inside and lasting and not named & {"t[initial]", "t[final]"}:
             yield source, target
 
 
@@ -91,5 +93,5 @@ def _inside(bounds: Range, t: float, near: float) -> bool:
 
 
 def _asked_at_ends(phase: Phase) -> set[str]:
-    functions = [c.function for c in phase.boundary] + ([phase.mayer] if phase.mayer else [])
+    functions = [c.function for c in phase.boundary if c.name != DURATION] + ([phase.mayer] if phase.mayer else [])
     return set().union(*map(names_asked, functions))
