@@ -8,13 +8,14 @@ from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, leaves, nodes
 from ..names.symbols import Symbols
+from ..names.variables import states
 from ..phases.between import Between
 from ..phases.merge import home, phase_specs
 from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
 from ..problem import Range
 from ..schema.declarations import OPEN_END, Time
 from ..schema.spec import Spec
-from ..text import did_you_mean
+from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .values import NO_STATES, check_names, check_phase, name_trouble
@@ -76,11 +77,22 @@ def _structure(spec: Spec) -> Iterator[Finding]:
         path: Path = ("phases", name) if spec.phases else ("waypoints", i, "name")
         if trouble := name_trouble(name):
             yield Finding(path, *trouble)
+    yield from _waypoints(spec)
     for i, link in enumerate(spec.links):
         for key, name in (("from", link.source), ("to", link.target)):
             if link.expression is None and name not in names:
                 remedy = did_you_mean(name, names, f"the phases are {', '.join(names)}")
                 yield Finding(("links", i, key), f'there is no phase "{name}"', remedy)
+
+
+def _waypoints(spec: Spec) -> Iterator[Finding]:
+    """Waypoints give values of states."""
+    known = [state.name for state in states(spec)]
+    for i, waypoint in enumerate(spec.waypoints):
+        for name in waypoint.states:
+            if name not in known:
+                remedy = did_you_mean(name, known, f"the states are {', '.join(known)}")
+                yield Finding(("waypoints", i, name), f"{brief(name)} is not a state", remedy)
 
 
 def _open_ends(spec: Spec) -> Iterator[Finding]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from ..expressions.expression import Expression, parse
-from ..schema.declarations import StateEntry, Time, TimeEnd
+from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.fields import Entry
 from ..schema.phases import PhaseEntry
 from ..schema.sections import Constraints, GuessEntry, Objective, Terms
@@ -60,6 +60,8 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     where = _waypoint(spec, phase, path)
     if where is not None:
         return where
+    if path[-1] == "lower" and not _given(own, path) and _given(own, upper := (*path[:-1], "upper")):
+        return ("phases", phase, *upper)  # what is above it, is the phase's
     return ("phases", phase, *path) if _given(own, path) else path
 
 
@@ -122,6 +124,7 @@ def _merged(spec: Spec, own: PhaseEntry, time: Time, first: bool, last: bool, me
 
 
 AnEntry = TypeVar("AnEntry", bound=Entry)
+AnEnded = TypeVar("AnEnded", StateEntry, Velocity)
 
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -137,19 +140,20 @@ def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, An
 def _over(shared: AnEntry, own: AnEntry) -> AnEntry:
     """An entry with the keys that another gives of its own in place of the shared ones."""
     given = {key: value for key, value in own if value != type(own).model_fields[key].default}
+    if isinstance(velocity := given.get("velocity"), Velocity) and isinstance(shared, StateEntry) and shared.velocity:
+        given["velocity"] = _over(shared.velocity, velocity)
     dropped = dict.fromkeys(_DYNAMICS, None) if _DYNAMICS & given.keys() else {}
     return shared.model_copy(update={**dropped, **given})
 
 
-def _with_ends(state: StateEntry, own: StateEntry | None, first: bool, last: bool) -> StateEntry:
-    """The state without the end values that the top level means for other phases."""
+def _with_ends(state: AnEnded, own: AnEnded | None, first: bool, last: bool) -> AnEnded:
+    """A state or a velocity without the end values that the top level means for other phases."""
     update: dict[str, Any] = {}
     for end, here in (("initial", first), ("final", last)):
         if not here and getattr(own, end, None) is None:
             update[end] = None
-    if state.velocity is not None and not (own and own.velocity):
-        ends = {end: None for end, here in (("initial", first), ("final", last)) if not here}
-        update["velocity"] = state.velocity.model_copy(update=ends)
+    if isinstance(state, StateEntry) and state.velocity is not None:
+        update["velocity"] = _with_ends(state.velocity, getattr(own, "velocity", None), first, last)
     return state.model_copy(update=update)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
+from ..names.variables import states
 from ..schema.phases import LinkEntry, PhaseEntry
 from ..schema.spec import Spec
 
@@ -32,12 +33,18 @@ def own_entries(spec: Spec) -> dict[str, PhaseEntry]:
     """The phases of a file in order, those that its waypoints make among them; none for a file without phases."""
     if not spec.waypoints:
         return dict(spec.phases)
+    positions = {state.name: state.velocity_of for state in states(spec) if state.velocity_of}
     legs: dict[str, PhaseEntry] = {}
     for number, waypoint in enumerate(spec.waypoints, start=1):
         own = PhaseEntry.model_validate(
             {
                 "time": {"final": waypoint.time},
-                "states": {name: {"final": end} for name, end in waypoint.states.items()},
+                "states": {name: {"final": end} for name, end in waypoint.states.items() if name not in positions}
+                | {
+                    positions[name]: {"velocity": {"final": end}}
+                    for name, end in waypoint.states.items()
+                    if name in positions
+                },
             }
         )
         legs[waypoint.name or f"leg{number}"] = own

@@ -10,6 +10,7 @@ from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .good import GOOD, IMPLICIT
 from .methods import CONSISTENT, RANGES, SOLVERS
+from .phases import PHASES
 from .text import FILES
 from .values import KEYS, NUMBERS, STRANGE
 
@@ -17,6 +18,6 @@ __all__ = ["CASES", "GOOD", "IMPLICIT", "METHODS", "Case", "write"]
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
-    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS),
+    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES),
 ]
