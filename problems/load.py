@@ -15,6 +15,7 @@ from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
 from .names.symbols import UNKNOWN
 from .schema import messages
+from .schema.declarations import Time
 from .schema.fields import STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
@@ -96,7 +97,7 @@ def load_text(
         rest = repair(data, error)
         found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = check_spec(spec)
+    errors, warnings = check_spec(spec, whole=not early)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
@@ -107,17 +108,24 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
 
     With phases these may stand in the first and in the last of them.
     """
-    if "time" not in data and not nearest("time", data.keys()):
+    if data.get("time") is None and not _meant("time", data, Spec.model_fields):
         data["time"] = {"initial": UNKNOWN, "final": UNKNOWN}
         return [Finding(("time",), "time is missing", f"add {messages.how_written(('time',))}")]
     found = []
     time = data.get("time")
-    for end in ("initial", "final") if isinstance(time, dict) else ():
-        if time.get(end) is None and not nearest(end, time.keys() - {end}):
+    if not isinstance(time, dict):
+        return []
+    for end in ("initial", "final"):
+        if time.get(end) is None and not _meant(end, time, Time.model_fields):
             time[end] = UNKNOWN
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
+
+
+def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
+    """Whether a key that is none is a misspelt one that is missing."""
+    return any(nearest(other, known) == key for other in given if other not in known)
 
 
 def _shared_objective(data: dict[str, Any]) -> None:

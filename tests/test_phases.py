@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from trajopt.problems.build import build
+from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.phases.merge import home, phase_specs
 from trajopt.problems.phases.order import Passage, passages
@@ -14,6 +15,7 @@ from trajopt.results.file.reload import reload
 from trajopt.results.file.write import image_of
 from trajopt.results.verify import verify
 from trajopt.transcription.layout import bounded_start
+from trajopt.transcription.loading import build_checked, load_yaml
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import Refine, Settings, Step, schedule_of, settings_of
 from trajopt.transcription.solve import solve
@@ -308,3 +310,14 @@ def test_verify_sees_a_broken_link(tmp_path):
         file["solver/z"][start_of_v] += 0.5
     (broken,) = [check for check in verify(path) if check.name.startswith("links")]
     assert not broken.passed and broken.where == "v from first to second"
+
+
+def test_what_only_the_methods_know_is_told_of_the_phase():
+    wrong = "phases.second.mesh=[{method: radau, segments: 3}, {method: trapezoid, segments: 4, degree: 3}]"
+    differences = "phases.first.mesh=[{method: finite-difference, segments: 4}]"
+    with pytest.raises(SpecError) as error:
+        load_yaml(MOVE, [wrong])
+    assert [m.where for m in error.value.mistakes] == ["--set phases.second.mesh"]
+    with pytest.raises(SpecError, match="needs second-order dynamics") as error:
+        build_checked([load_yaml(MOVE, [differences])])
+    assert [m.where for m in error.value.mistakes] == ["--set phases.first.mesh"]

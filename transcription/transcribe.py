@@ -7,8 +7,7 @@ imported when it is used.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from .collocation import model
 from .collocation.differences import refused_by_differences
 from .engines.outcome import Outcome
 from .layout import Transcription
+from .method_kind import MethodKind
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
@@ -26,20 +26,6 @@ from .solution.end_masses import without_end_masses
 from .solution.trajectory import Trajectory
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
-
-Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
-
-
-@dataclass(frozen=True)
-class MethodKind:
-    """refused: why a phase cannot be transcribed on its mesh. transcribe: as the function below, guess and templates
-    given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
-    """
-
-    refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
-    transcribe: Transcribe
-    compiled: Callable[[Any], NonlinearProgram]
-    costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
 
 
 def _shooting() -> MethodKind:

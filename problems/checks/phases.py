@@ -14,11 +14,14 @@ from ..phases.merge import home, phase_specs
 from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
 from ..problem import Range
 from ..schema.declarations import OPEN_END, Time
+from ..schema.phases import LinkEntry
+from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .values import NO_STATES, check_names, check_phase, name_trouble
+from .names import check_names, name_trouble
+from .values import NO_STATES, check_phase
 
 _SMOOTH = "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)"
 
@@ -134,8 +137,8 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
 
 def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:
     """(path, expression, whether it must be a constant)."""
-    entries = [(("links", i), link) for i, link in expression_links(spec)]
-    both = [*entries, *((("constraints", "boundary", i), c) for i, c in enumerate(spec.constraints.boundary))]
+    both: list[tuple[Path, LinkEntry | ConstraintEntry]] = [(("links", i), link) for i, link in expression_links(spec)]
+    both += [(("constraints", "boundary", i), entry) for i, entry in enumerate(spec.constraints.boundary)]
     for path, entry in both:
         if entry.expression is not None:
             yield (*path, "expression"), entry.expression, False

@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Container, Iterator
 from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
-from ..expressions.slips import MAX_NAME, RESERVED
 from ..expressions.tree import leaves
 from ..models import find_model
-from ..names.occurrences import (
-    BOUNDARY,
-    CONSTANT,
-    boundary_names,
-    constraint_names,
-    constraints,
-    link_names,
-    residual_names,
-    uses,
-)
+from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..phases.order import ALONE
@@ -33,13 +21,12 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
+from .names import name_trouble, title_troubles
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_TITLE = re.compile(r"\w[\w -]*")
 # What should stand in some expression: its role, and the section that declares it.
 _USED = {
     "parameter": "parameters",
@@ -88,33 +75,6 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.unused()
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
-
-
-def name_trouble(name: str) -> tuple[str, str] | None:
-    """Why a name cannot be declared, whatever it is of, and the remedy; None if it can."""
-    if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-        return f'"{brief(name)}" cannot be a name', f"use a letter, then letters, digits and _, at most {MAX_NAME}"
-    if name in RESERVED:
-        return f'the name "{name}" has a meaning of its own in expressions', f"choose another name, such as {name}1"
-    return None
-
-
-def check_names(spec: Spec) -> Iterator[Finding]:
-    """Names of links and of boundary constraints of the top level: words, and each once."""
-    given: set[str] = set()
-    links = [("links", i) for i, link in enumerate(spec.links) if link.expression is not None]
-    paths: list[Path] = [*links, *(("constraints", "boundary", i) for i in range(len(spec.constraints.boundary)))]
-    for path, name in zip(paths, link_names(spec) + boundary_names(spec), strict=True):
-        yield from title_troubles((*path, "name"), name, given)
-        given.add(name)
-
-
-def title_troubles(path: Path, name: str, given: Container[str]) -> Iterator[Finding]:
-    """What is wrong with the name of a constraint, if others are given already."""
-    if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
-        yield Finding(path, f'"{brief(name)}" cannot be a name', "use letters, digits, _, - and space")
-    if name in given:
-        yield Finding(path, f'another constraint is called "{name}" too', "give each its own name")
 
 
 class _Checker:

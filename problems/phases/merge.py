@@ -161,7 +161,8 @@ def _objective(shared: Objective, own: Objective | None) -> Objective:
     """The terms of one phase: the integral of the top level is of every phase, its terminal term is of none."""
     integral = own.terms.integral if own and own.terms.integral is not None else shared.terms.integral
     terms = Terms.model_construct(integral=integral, terminal=own.terms.terminal if own else None)
-    return Objective.model_construct(**{"minimize": None, "maximize": None, shared.sense: terms})
+    maximize = shared.sense == "maximize"
+    return Objective.model_construct(minimize=None if maximize else terms, maximize=terms if maximize else None)
 
 
 def _time(spec: Spec, entries: Mapping[str, PhaseEntry], name: str, previous: Spec | None, last: bool) -> Time:

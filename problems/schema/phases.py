@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_validator
 
 from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, EndValue, Parameter, Residual, StateEntry, TimeEnd
 from .fields import Entry, Formula, Text, mistake
@@ -104,3 +104,15 @@ class Waypoint(Entry):
             return data
         own = {key: value for key, value in data.items() if key in ("name", "time")}
         return own | {"states": {key: value for key, value in data.items() if key not in own}}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        reference = handler(core_schema)
+        definition = handler.resolve_ref_schema(reference)
+        values = definition["properties"]["states"]["additionalProperties"]
+        short = {"type": "object", "properties": {**definition["properties"]}, "additionalProperties": values}
+        del short["properties"]["states"]
+        long = dict(definition)
+        definition.clear()
+        definition |= {"anyOf": [short, long]}
+        return reference

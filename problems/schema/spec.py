@@ -24,6 +24,14 @@ from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
 
 
+def _alternatives(schema: dict[str, Any]) -> None:
+    """What a file needs: with phases, its states, times and objective may stand in these."""
+    needed = [key for key in schema["required"] if key != "objective"]
+    dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
+    one = {"allOf": [{"required": ["objective", "time"]}, dynamics]}
+    schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
+
+
 class Spec(Entry):
     """A problem file."""
 
@@ -104,9 +112,7 @@ class Spec(Entry):
     reference: Reference | None = Field(None, description="known objective to compare with")
     sweep: Sweep | None = Field(None, description="what `trajopt sweep` varies: {over, zip, sample, seed, chain}")
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, json_schema_extra={"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=_alternatives)
 
     _text: str = PrivateAttr("")
     _locations: Locations = PrivateAttr(Locations("", {}))

@@ -51,13 +51,6 @@ PHASES = [
     edit(
         "a degree of a phase", "segments: 8}", "segments: 8, degree: 99}", "phases.second.mesh.0.degree", "from 1 to 60"
     ),
-    edit(
-        "a form of a phase's method",
-        "method: radau, segments: 8",
-        "method: trapezoid, segments: 8, degree: 3",
-        "phases.second.mesh.0.degree",
-        "trapezoid",
-    ),
     edit("an unknown name in a phase", "u*m, upper", "u*mm, upper", "phases.first.constraints.path.0.expression", "mm"),
     edit(
         "crossed bounds in a phase",
@@ -119,7 +112,7 @@ PHASES = [
     ),
     edit("an unknown name in a link", "first.m[final]", "first.mm[final]", "links.1.expression", "did you mean m?"),
     edit("an unknown phase in an expression", "first.m[final]", "frst.m[final]", "links.1.expression", "mean first?"),
-    edit("an end of a parameter", "equals: -case", "equals: '-case[final]'", "links.1.equals", "write case"),
+    edit("an end of a parameter in a link", "equals: -case", "equals: '-case[final]'", "links.1.equals", "write case"),
     edit("abs in a link", "first.m[final]", "abs(first.m[final])", "links.1.expression", "write it smooth"),
     edit("a phase in dynamics", "rate: T/m - g,", "rate: first.T/m - g,", "states.v.rate", 'unknown name "first.T"'),
     edit(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,10 +17,8 @@ from ...problems.problem import Curves, Problem
 from ...problems.text import short_repr
 from ..constraint_kinds import LINK
 from ..layout import BETWEEN, Family, Layout, Transcription
+from ..method_kind import MethodKind
 from ..schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from ..transcribe import MethodKind
 
 
 @short_repr
@@ -61,7 +59,9 @@ def by_parts(
     guess: one for each phase.
     """
     kinds = list(dict.fromkeys(mesh.schemes[0].kind for mesh in meshes))
-    parts, variables, layouts = [], [], {}
+    parts: list[Part] = []
+    variables: list[Any] = []
+    layouts: dict[int, Layout] = {}
     parameters = np.zeros(0, int)
     for kind in kinds:
         numbers = [i for i, mesh in enumerate(meshes) if mesh.schemes[0].kind == kind]

@@ -6,7 +6,7 @@ part of an integral (of the objective, or constrained), relative to 1 + the inte
 tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
 than TOLERATED_EXCESS, or that smears a jump of a control: the square of the jump, relative to the control's range,
 times its share of the phase is more than the tolerance (dynamics that are linear in the control show no eta there; the
-objective suffers in the second order of the width; a jump that H does not depend on is worth nothing, nor does it count),
+objective suffers in the second order of the width; a jump that H does not depend on is worth nothing and is passed by),
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
