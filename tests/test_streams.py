@@ -47,9 +47,7 @@ FAILING = ("solve", "cartpole", "--set", "solver.max_iter=2", "-o", "a.h5")
 def test_a_solution_is_not_replaced_by_what_is_none():
     assert trajopt("solve", "cartpole", "-q", "-o", "a.h5").exit_code == 0
     run = trajopt(*FAILING, "--plot")
-    assert run.exit_code == 1 and run.stderr.startswith(
-        "note: a.h5 holds a solution and is kept (--force replaces it)"
-    )
+    assert run.exit_code == 1 and run.stderr.startswith("note: a.h5 holds a solution and is kept (--force replaces it)")
     assert "file        a-unsolved.h5" in run.stdout and Path("a-unsolved.png").exists()
     assert solved("a.h5") and not solved("a-unsolved.h5")
 
