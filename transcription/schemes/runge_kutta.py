@@ -250,7 +250,8 @@ class Shooting:
             strict=True,
         ):
             array[rows, columns] = values
-        return Interpolant(*full, self.control_basis(tau))
+        X, F, dX, dF = full
+        return Interpolant(X, F, dX, dF, self.control_basis(tau))
 
     def control_basis(self, tau: np.ndarray) -> np.ndarray:
         """Weights (m, n) of the controls at the nodes of the substep that tau, shape (m,), is in."""
