@@ -57,6 +57,8 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
         if path[1] == "path" and path[2] < shared:
             return path
         return ("phases", phase, "constraints", path[1], path[2] - shared, *path[3:])
+    if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):
+        return home(spec, before, ("time", "final", *path[2:]))
     where = _waypoint(spec, phase, path)
     if where is not None:
         return where
