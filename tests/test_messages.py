@@ -32,7 +32,15 @@ FULL = {
         {"method": "radau", "segments": [1, 2], "tolerance": 1e-6, "degree": [3, 4], "form": "integral"},
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
     ],
-    "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "seconds": 60, "max_iter": 100},
+    "solver": {
+        "engine": "ipopt",
+        "accept": "optimal",
+        "coarse_start": True,
+        "seconds": 60,
+        "starts": 2,
+        "seed": 1,
+        "max_iter": 100,
+    },
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
     "sweep": {"over": {"parameters.c": "1:2:3"}, "zip": False, "sample": 4, "seed": 1, "chain": False},
 }
