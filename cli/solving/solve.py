@@ -149,14 +149,13 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
 
 
 def _solved(job: _Job, stop: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
-    from ...transcription.settings import schedule_of, settings_of
-    from ...transcription.solve import solve as run
+    from ...transcription.continuation import solve_spec
     from ..output.progress import live_line, print_iteration
 
-    spec, schedule, settings = job.spec, schedule_of(job.spec), settings_of(job.spec)
+    spec = job.spec
     with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        return run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=stop)
+        return solve_spec(spec, job.problems, guess=job.guess, progress=progress, stop=stop)
 
 
 def _kept(job: _Job, solution: Solution) -> Path:

@@ -13,6 +13,7 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
 MAX_STARTS = 10_000
+MAX_STEPS = 1000  # of a continuation
 MAX_AXES, MAX_CASES, MAX_SEED = 20, 1_000_000, 2**32 - 1
 """Of a sweep."""
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
