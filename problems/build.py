@@ -14,7 +14,7 @@ from .phases.guess import through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import phase_specs
 from .phases.order import own_entries
-from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
+from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
 
@@ -95,13 +95,18 @@ class _Builder:
             outputs=self.outputs(),
         )
 
-    def outputs(self) -> dict[str, Function]:
+    def outputs(self) -> dict[str, Output]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.
 
         abs, min and max in them are these functions themselves, not what stands for them in the equations.
         """
-        definitions = self.symbols.definitions
-        return {name: self.symbols.function(definitions[name]) for name in definitions if name in self.symbols.varying}
+        written, definitions = self.spec.expressions, self.symbols.definitions
+        units = {name: written[name].unit for name in definitions if name in written}
+        return {
+            name: Output(self.symbols.function(definitions[name]), units.get(name, ""))
+            for name in definitions
+            if name in self.symbols.varying
+        }
 
     def term(self, name: str) -> Expression | None:
         """A term of the objective: "integral" or "terminal"."""

@@ -113,6 +113,14 @@ class Constraint:
     bounds: Range
 
 
+@dataclass(frozen=True)
+class Output:
+    """A function over time, and its unit."""
+
+    function: Function
+    unit: str = ""
+
+
 class Curves(Protocol):
     """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.
 
@@ -155,7 +163,7 @@ class Phase:
     """One phase: its own time, states, controls and constraints.
 
     time_unit: the unit of time.
-    outputs: name -> function over time that no equation of the problem needs, for those who look at a solution.
+    outputs: name -> what no equation of the problem needs, for those who look at a solution.
     """
 
     name: str
@@ -172,7 +180,7 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
-    outputs: Mapping[str, Function] = field(default_factory=dict)
+    outputs: Mapping[str, Output] = field(default_factory=dict)
 
     @property
     def inputs(self) -> tuple[Variable, ...]:

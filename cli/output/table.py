@@ -134,7 +134,7 @@ def _print_phase(name: str, phase: dict[str, Any]) -> None:
     print(f"\nphase {name}: t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}")
     rows = [
         (curve, value["unit"], *(_number(value[key]) for key in numbers), _eta(value.get("max_eta")))
-        for kind in ("states", "controls", "algebraic")
+        for kind in ("states", "controls", "algebraic", "outputs", "path")
         for curve, value in phase[kind].items()
     ]
     rows += [

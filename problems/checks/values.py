@@ -295,8 +295,9 @@ class _Checker:
         if self.spec.model:
             model = find_model(self.spec.model)
             named |= {*model.parameters, *model.controls, *model.algebraic}
+        outputs = {name for name, written in self.spec.expressions.items() if written.unit or written.note}
         for name, role in self.symbols.roles.items():
-            if role in _USED and name not in named:
+            if role in _USED and name not in named | outputs:
                 self.warn(
                     (_USED[role], name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression"
                 )

@@ -73,7 +73,7 @@ class Symbols:
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
         self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
-        self._collect_definitions(spec.expressions)
+        self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""

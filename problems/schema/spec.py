@@ -17,8 +17,8 @@ from ..models import MODELS
 from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
-from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
-from .fields import MAX_TAGS, Entry, Formula, Number, Scaling, Tag, Text, mistake
+from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
+from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
@@ -58,8 +58,10 @@ class Spec(Entry):
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
     )
-    expressions: dict[str, Formula] = Field(
-        {}, max_length=MAX_NAMES, description="name -> expression that others may use by that name"
+    expressions: dict[str, NamedExpression] = Field(
+        {},
+        max_length=MAX_NAMES,
+        description="name -> expression, or {value, unit, note}, that others may use by that name; over time an output",
     )
     model: Text = Field(
         "",

@@ -17,7 +17,7 @@ from ...problems.text import short_repr
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .write import open_result
 
-CURVE_KINDS = ("state", "control", "algebraic", "costate")
+CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
 
 
@@ -37,7 +37,7 @@ class PhaseCurves:
     """One phase of a result.
 
     time: (K,) of the points, dense_time: (M,), knots: (N + 1,) times of the segments' edges, all in `time_unit`.
-    curves: kind ("state", "control", "algebraic", "costate") -> name -> curve; a kind may be missing or empty.
+    curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
     objective; empty where there is none.
@@ -169,6 +169,7 @@ def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
 def _ranges(phase: Phase) -> dict[str, Range]:
     ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
     for constraint in phase.path:
+        ranges.setdefault(constraint.name, constraint.bounds)
         name = getattr(constraint.function, "text", None)
         if name in ranges:
             ranges[name] = ranges[name].intersection(constraint.bounds)

@@ -128,6 +128,8 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
         "controls": {name: _curve(values) for name, values in points["control"].items()},
         "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
+        "outputs": {name: _curve(values) for name, values in points.get("output", {}).items()},
+        "path": {name: _curve(values) for name, values in points.get("path", {}).items()},
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },

@@ -8,7 +8,8 @@
                                attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
-            state/<name>, costate/<name>, control/<name>, algebraic/<name>
+            state/<name>, costate/<name>, control/<name>, algebraic/<name>,
+            output/<name> (named expressions that vary in time), path/<name> (path constraints that are no equations)
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
