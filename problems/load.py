@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
+from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
 
@@ -117,7 +118,7 @@ def load_stored(data: Mapping[str, Any], file: str) -> Spec:
     What only the command line may set is left out: nobody has given it on this one. Raises FileError if it is no spec
     of this version.
     """
-    solver, locations = data.get("solver"), Locations(file, {})
+    solver, locations = data.get("solver"), Locations(file, dict.fromkeys(_paths(data), 1))
     if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
         data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
@@ -127,11 +128,20 @@ def load_stored(data: Mapping[str, Any], file: str) -> Spec:
         raise _unreadable(messages.findings(error, locations)[0], file) from error
     if errors:
         raise _unreadable(errors[0], file)
-    return spec.attach(spec.model_dump_json(), locations, [])
+    return spec.attach(spec.model_dump_json(), Locations(file, {}), [])
+
+
+def _paths(node: Any, path: Place = ()) -> Iterator[Place]:
+    """The paths of all that stands in plain data."""
+    yield path
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in items:
+        yield from _paths(value, (*path, key))
 
 
 def _unreadable(first: Finding, file: str) -> FileError:
-    what = f"the problem that it holds cannot be read ({dotted(first.path)}: {first.what})"
+    told = ": ".join(filter(None, [dotted(first.path), first.what]))
+    what = f"the problem that it holds cannot be read ({told})"
     return FileError(Mistake(file, what, "solve the problem anew with this version of trajopt"))
 
 

@@ -90,7 +90,7 @@ def _bounds(overshoot: dict[str, Any] | None) -> str:
 
 def _reference(summary: dict[str, Any]) -> str:
     reference = summary["reference"]
-    if not reference or not summary["solved"]:
+    if not reference or not summary["solved"] or summary["objective"] is None:
         return ""
     if reference["agrees"] is None:
         return f"; {reference['objective']:.10g} is the reference of the file as it stands"

@@ -11,6 +11,8 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...problems.text import printable
+
 NO_BAR_YET = "an older version wrote this result"
 """Why there is no error bar of the objective, in a result that does not tell."""
 
@@ -98,4 +100,4 @@ def bar_of(attributes: Mapping[str, Any]) -> dict[str, float]:
 
 
 def unit_of(dataset: h5py.Dataset) -> str:
-    return str(dataset.attrs.get("units", ""))
+    return printable(str(dataset.attrs.get("units", "")))

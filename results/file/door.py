@@ -21,6 +21,7 @@ from .nodes import LayoutError
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 DEEPEST = 50  # levels of the stored problem
+DIGITS = 300  # of a whole number that is a float, too
 
 ANOTHER = "give a result written by 'trajopt solve'"
 DAMAGED = "it is damaged, or another version of trajopt wrote it: solve the problem again"
@@ -65,12 +66,17 @@ def head_of(path: Path) -> dict[str, Any]:
 def stored_problem(file: h5py.File) -> dict[str, Any]:
     """The problem file that an open result holds, full, as plain data. Raises FileError if it is none."""
     try:
-        data = json.loads(file["spec/full"].asstr()[()])
+        data = json.loads(file["spec/full"].asstr()[()], parse_int=_whole)
     except (ValueError, RecursionError):
         data = None
     if not isinstance(data, dict) or _deeper(data, DEEPEST):
         raise FileError(Mistake(f"{file.filename}: /spec/full", "it holds no problem that can be read", DAMAGED))
     return data
+
+
+def _whole(digits: str) -> int | float:
+    """A number without a point; one that no float holds is infinite, which no problem file may have."""
+    return int(digits) if len(digits) <= DIGITS else float(digits)
 
 
 def _size(path: Path) -> int:

@@ -12,7 +12,14 @@ from dataclasses import dataclass, field
 
 from ...transcription.engines.outcome import Status
 
-TEXT, TEXTS, NUMBER, WHOLE, FLAG, OPTION = "a text", "texts", "a number", "a whole number", "true or false", "an option"
+TEXT, TEXTS, NUMBER, WHOLE, FLAG, OPTION = (
+    "a text",
+    "a row of texts",
+    "a number",
+    "a whole number",
+    "true or false",
+    "an option",
+)
 """Kinds of value. TEXTS: an attribute with any number of them. OPTION: a text or a number."""
 
 

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ...problems.problem import Phase, Problem, Range
-from ...problems.text import short_repr
+from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, bar_of, unit_of
 from .door import open_result, stored_problem
 
@@ -130,12 +130,12 @@ def read(path: Path) -> Result:
     with open_result(path) as file:
         return Result(
             path=Path(path),
-            problem=str(file.attrs["problem"]),
+            problem=printable(file.attrs["problem"]),
             solved=bool(file.attrs["solved"]),
-            message=str(file.attrs["message"]),
+            message=printable(file.attrs["message"]),
             objective=float(file.attrs["objective"]),
             objective_error=bar_of(file.attrs)["objective_error"],
-            objective_error_missing=str(file.attrs.get("objective_error_missing", NO_BAR_YET)),
+            objective_error_missing=printable(file.attrs.get("objective_error_missing", NO_BAR_YET)),
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
@@ -184,7 +184,7 @@ def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset
 def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
-        method=str(a["method"]),
+        method=printable(a["method"]),
         edges=group["edges"][:],
         unknowns=int(a["unknowns"]),
         objective=float(a["objective"]),

@@ -116,7 +116,8 @@ def reload(path: Path) -> Reloaded:
             raise _unlike(path, "its phases are not those of its problem")
         if (len(outcome.z), len(outcome.y)) != (len(transcription.variables), len(nlp.cl)):
             raise _unlike(path, "the solver's point is not one of its problem on its mesh")
-    phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
+    with np.errstate(all="ignore"):  # a point that is not finite is told by what looks at it
+        phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides, records)
 
 

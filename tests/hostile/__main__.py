@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import tempfile
 import time
 from itertools import chain
@@ -33,9 +34,11 @@ def main() -> int:
                 if run.fault:
                     last = (run.err.strip().splitlines() or [""])[-1]
                     print(f"{run.fault}: {own.source.stem}: {own.name}: {run.command}: {last[:200]}", flush=True)
+            if count.files % 100 == 0:
+                print(f"{count.files} files, {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
             if time.monotonic() - start > told.seconds:
                 break
-    print(f"{count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
+    print(f"\n{count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
     print("exit codes:", ", ".join(f"{code}: {n}" for code, n in sorted(count.codes.items())))
     print(f"ended badly: {len(count.faults)}")
     return int(bool(count.faults))

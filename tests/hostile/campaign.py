@@ -23,7 +23,7 @@ from trajopt.problems.errors import TrajoptError
 from .files import TINY, Bad
 
 TYPED = get_command(app)
-SECONDS = 20  # of a run; the slowest on a good file, verify of a biped, takes 3
+PROCESSOR, WAITING = 20, 60  # seconds of a run; the slowest on a good file, verify of a biped, takes 3
 MEMORY = 2 * 2**30  # bytes that a run may take beyond what is there
 CODES = {0, 1, 2, 3, 4}
 
@@ -59,17 +59,25 @@ class Run:
     def fault(self) -> str:
         """What is wrong with how it ended; "" for nothing."""
         if self.code < 0:
-            return "hang" if -self.code in (signal.SIGALRM, signal.SIGXCPU) else f"killed by signal {-self.code}"
+            return (
+                "hang"
+                if -self.code in (signal.SIGALRM, signal.SIGXCPU, signal.SIGKILL)
+                else f"killed by signal {-self.code}"
+            )
         if "Traceback" in self.err or self.code not in CODES:
             return "traceback"
+        return self._told_badly()
+
+    def _told_badly(self) -> str:
         lines = self.err.splitlines()
         if self.code in (2, 3) and not any(line.startswith("error: ") and len(line) > 20 for line in lines):
             return "no sentence"
+        if self.code == 3 and (len(lines) > 1 or "bad.h5" not in self.err):
+            return "not one sentence about the file"
         if any("Warning:" in line for line in lines):
             return "warning of a library"
-        if any((ord(c) < 32 and c not in "\n\t") or ord(c) == 127 for c in self.out + self.err):
-            return "control characters"
-        return ""
+        controls = any((ord(c) < 32 and c not in "\n\t") or ord(c) == 127 for c in self.out + self.err)
+        return "control characters" if controls else ""
 
 
 @dataclass
@@ -90,8 +98,8 @@ class Count:
 
 def campaign(
     bad: Iterable[Bad], good: Path, folder: Path, commands: Iterable[str] = COMMANDS
-) -> Iterator[tuple[Bad, list[Run]]]:
-    """Make each file in the folder, and run each command on it.
+) -> Iterator[tuple[Bad, Iterator[Run]]]:
+    """Make each file in the folder, with the runs of each command on it, to be gone through before the next file.
 
     bad: the files to be made.
     good: a good result, to compare with.
@@ -108,7 +116,7 @@ def campaign(
             own.damage(path)
         except (RuntimeError, ValueError, TypeError, KeyError, OSError, IndexError):
             continue  # what cannot be made, as a text of 64 kB in an old attribute
-        yield own, [_run(name, own.name, good, folder) for name in commands]
+        yield own, (_run(name, own.name, good, folder) for name in commands)
 
 
 def _remove(path: Path) -> None:
@@ -141,12 +149,15 @@ def _child(name: str, arguments: list[str], folder: Path) -> None:
         os.chdir(folder)
         for stream, descriptor in (("out", 1), ("err", 2)):
             os.dup2(os.open(stream, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), descriptor)
+        sys.stdout, sys.stderr = (os.fdopen(descriptor, "w", errors="backslashreplace") for descriptor in (1, 2))
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         limit = pages * resource.getpagesize() + MEMORY
         resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        used = int(sum(os.times()[:2]))
+        resource.setrlimit(resource.RLIMIT_CPU, (used + PROCESSOR, used + PROCESSOR))
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(SECONDS)
+        signal.alarm(WAITING)
         code = _read(arguments[0]) if name == "read" else _type(arguments)
         sys.stdout.flush()
         sys.stderr.flush()

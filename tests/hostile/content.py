@@ -138,9 +138,11 @@ def _user_block(path: Path) -> None:
 
 
 FOREIGN: dict[str, Callable[[Path], None]] = {
-    "nothing": _replaced(lambda path: path.write_bytes(b"")), "text": _replaced(lambda path: path.write_text("hello\n")),
+    "nothing": _replaced(lambda path: path.write_bytes(b"")),
+    "text": _replaced(lambda path: path.write_text("hello\n")),
     "folder": _replaced(Path.mkdir), "fifo": _replaced(os.mkfifo), "missing": _replaced(lambda path: None),
-    "device": _replaced(lambda path: path.symlink_to("/dev/zero")), "loop": _replaced(lambda path: path.symlink_to(path)),
+    "device": _replaced(lambda path: path.symlink_to("/dev/zero")),
+    "loop": _replaced(lambda path: path.symlink_to(path)),
     "signature": _replaced(lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))),
     "other": _replaced(_other_hdf5), "zeros": _replaced(lambda path: path.write_bytes(bytes(100_000))),
     "user block": _replaced(_user_block),

@@ -27,7 +27,7 @@ def _scaled(change: Callable[[np.ndarray], object]) -> Damage:
     """Damage that replaces the values of a dataset."""
 
     def damage(group: h5py.Group, name: str) -> None:
-        values = group[name][()]
+        values = np.asarray(group[name][()])
         if values.dtype.kind == "O":
             values = np.arange(values.size, dtype=float).reshape(values.shape)
         _again(group, name, data=change(values))
@@ -122,7 +122,8 @@ ARRAYS: dict[str, Damage] = {
     "text": _scaled(lambda v: np.full(v.shape, "\x1b[31mred", object)), "whole": _scaled(lambda v: v.astype(int)),
     "complex": _scaled(lambda v: v + 1j), "compound": _scaled(_compound),
     "group": _to_group, "single": _scaled(lambda v: float(np.ravel(v)[0]) if v.size else 0.0),
-    "longer": _scaled(lambda v: np.resize(v, (v.shape or (1,))[0] + 1)), "none": _scaled(lambda v: v[:0] if v.ndim else v),
+    "longer": _scaled(lambda v: np.resize(v, (v.shape or (1,))[0] + 1)),
+    "none": _scaled(lambda v: v[:0] if v.ndim else v),
     "shorter": _scaled(lambda v: v[:-1] if v.ndim else np.zeros(2)), "axis": _scaled(lambda v: v[..., None]),
     "nan": _scaled(_one(np.nan)), "inf": _scaled(_one(np.inf)), "minus inf": _scaled(_one(-np.inf)),
     "all nan": _scaled(lambda v: np.full(v.shape, np.nan)), "zeros": _scaled(np.zeros_like),
@@ -144,7 +145,7 @@ GROUPS: dict[str, Damage] = {
 }  # fmt: skip
 
 ATTRIBUTES: dict[str, object] = {
-    "text": "\x1b]0;title\x07\x1b[2J\n$\\frac{", "long": "x" * 50_000, "bytes": np.bytes_(b"\xff\xfe"),
+    "text": "\x1b]0;title\x07\x1b[2J\n$\\frac{$", "long": "x" * 50_000, "bytes": np.bytes_(b"\xff\xfe"),
     "number": 1.5, "nan": np.nan, "inf": np.inf, "minus one": -1, "large": 2**62, "zero": 0, "tiny": 1e-320,
     "row": np.arange(3.0), "texts": ["a", "b"], "empty": h5py.Empty("f8"), "true": True, "false": False,
     "complex": 1j, "no utf-8": "\udcff\udcfe",
