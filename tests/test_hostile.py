@@ -188,3 +188,13 @@ def test_a_result_without_the_guess_is_told_from_it(result):
     problem = build(load_text(f"{text}objective: {{minimize: {{terminal: 'y[final]'}}}}\n", "y.yaml"))
     (warning,) = lacking(result, problem)
     assert "it does not have y" in str(warning)
+
+
+def test_texts_that_hdf5_would_read_for_ever(result):
+    """Zeros in a heap of texts: the size of an object, by which HDF5 goes on to the next one, is 0."""
+    content = bytearray(result.read_bytes())
+    heap = content.index(b"GCOL\x01\0\0\0")
+    content[heap + 16 : heap + 600] = bytes(584)
+    result.write_bytes(content)
+    with pytest.raises(FileError, match="its texts cannot be read"):
+        summarize(result)

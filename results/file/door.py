@@ -8,6 +8,7 @@ import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from ...problems.errors import FileError, Mistake
 from ...problems.text import shorten
 from .conform import Conformance, Scope
 from .layout import HEAD, RESULT, VERSION, Group
-from .nodes import LayoutError
+from .nodes import LayoutError, endless
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 DEEPEST = 50  # levels of the stored problem
@@ -43,6 +44,8 @@ def open_result(source: Path | bytes, layout: Group = RESULT) -> Iterator[h5py.F
     path = Path("the solution") if isinstance(source, bytes) else source
     size = len(source) if isinstance(source, bytes) else _size(path)
     try:
+        if _endless(source):
+            raise FileError(Mistake(str(path), "its texts cannot be read", DAMAGED))
         file = h5py.File(BytesIO(source) if isinstance(source, bytes) else source, "r")
     except _HDF5_ERRORS as error:
         raise FileError(_unopened(path, error)) from error
@@ -91,6 +94,17 @@ def _size(path: Path) -> int:
         what = "it is a folder" if stat.S_ISDIR(found.st_mode) else "it is no ordinary file"
         raise FileError(Mistake(str(path), what, ANOTHER))
     return found.st_size
+
+
+def _endless(source: Path | bytes) -> bool:
+    """Whether HDF5 would not come back from the file."""
+    if isinstance(source, bytes):
+        return endless(source)
+    with source.open("rb") as stream:
+        if not os.fstat(stream.fileno()).st_size:
+            return False
+        with mmap(stream.fileno(), 0, access=ACCESS_READ) as content:
+            return endless(content)
 
 
 def _unopened(path: Path, error: Exception) -> Mistake:
