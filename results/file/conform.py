@@ -10,8 +10,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...problems.text import shorten
 from .layout import TEXTS, UNITS, Array, Attribute, Each, Group, Size
-from .nodes import LayoutError, fits, has, has_attribute, is_text, kind_of, names_in, opened, shape_of
+from .nodes import LayoutError, fits, has, has_attribute, kind_of, names_in, opened, shape_of
 
 KNOWN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
 LARGEST = 4 * 2**30  # bytes of all arrays together: more is not read into memory
@@ -46,16 +47,19 @@ class Conformance:
             if name == "*":
                 for other in (other for other in names_in(node, where) if other not in layout.members):
                     self._member(node, other, declared, scope, where)
-            elif has(node, name) or not _may_lack(node, declared, has):
+            elif not _may_lack(node, declared, has) or has(node, name):
                 self._member(node, name, declared, scope, where)
         for name, attribute in _attributes(node, layout):
-            if h5py.h5a.exists(node, name.encode()) or not _may_lack(node, attribute, has_attribute):
+            if has_attribute(node, name):
                 self._attribute(node, name, attribute, scope, where or "/")
+            elif not _may_lack(node, attribute, has_attribute):
+                raise LayoutError(where or "/", f"its attribute {name} is missing")
 
     def _member(
         self, node: h5py.h5g.GroupID, name: str, declared: Array | Group | Each, scope: Scope, where: str
     ) -> None:
-        child, where = opened(node, name, f"{where}/{name}"), f"{where}/{name}"
+        where = f"{where}/{name}"
+        child = opened(node, name, where)
         if isinstance(declared, Array):
             if not isinstance(child, h5py.h5d.DatasetID):
                 raise LayoutError(where, "it is no array")
@@ -91,21 +95,23 @@ class Conformance:
         for n, size in zip(shape, declared.sizes, strict=True):
             _bind(scope, size, n, where)
         self._storage(node, shape, type_.get_size(), where)
-        self._attribute(node, "units", UNITS, scope, where)
+        if has_attribute(node, "units"):
+            self._attribute(node, "units", UNITS, scope, where)
         if declared.ordered or declared.names or declared.limits:
             _check_values(h5py.Dataset(node), declared, scope, where)
 
     def _storage(self, node: h5py.h5d.DatasetID, shape: tuple[int, ...], item: int, where: str) -> None:
         """That the values, of so many bytes each, are in this file, in a way that is known, and not too many."""
         how = node.get_create_plist()
-        if how.get_layout() == h5py.h5d.VIRTUAL or how.get_external_count():
+        kind, filters = how.get_layout(), set()
+        if kind == h5py.h5d.VIRTUAL or (kind == h5py.h5d.CONTIGUOUS and how.get_external_count()):
             raise LayoutError(where, "its values are in another file, which is not opened")
-        filters = {how.get_filter(k)[0] for k in range(how.get_nfilters())}
+        own = taken = item * math.prod(shape)
+        if kind == h5py.h5d.CHUNKED and taken:
+            taken = max(taken, item * math.prod(how.get_chunk()))
+            filters = {how.get_filter(k)[0] for k in range(how.get_nfilters())}
         if filters - KNOWN_FILTERS:
             raise LayoutError(where, f"it is stored by a filter that is not read (number {max(filters)})")
-        own = taken = item * math.prod(shape)
-        if how.get_layout() == h5py.h5d.CHUNKED and taken:
-            taken = max(taken, item * math.prod(how.get_chunk()))
         if h5py.h5z.FILTER_DEFLATE in filters:
             self.compressed += taken
         else:
@@ -121,27 +127,27 @@ class Conformance:
     def _attribute(
         self, node: h5py.h5g.GroupID | h5py.h5d.DatasetID, name: str, declared: Attribute, scope: Scope, where: str
     ) -> None:
-        if not h5py.h5a.exists(node, name.encode()):
-            if declared is UNITS:
-                return
-            raise LayoutError(where, f"its attribute {name} is missing")
-        told = h5py.h5a.open(node, name.encode())
-        kind, shape = kind_of(told.get_type()), shape_of(told, f"{where}, attribute {name}")
         where = f"{where}, attribute {name}"
+        told = h5py.h5a.open(node, name.encode())
+        type_ = told.get_type()
+        kind, shape = kind_of(type_), shape_of(told, where)
         if not fits(kind, declared.kind):
             raise LayoutError(where, f"it holds {kind or 'what trajopt does not know'}, where {declared.kind} is meant")
         if len(shape) != (declared.kind == TEXTS) or math.prod(shape) > self.size:
             raise LayoutError(where, f"its shape is {shape}")
-        value = h5py.AttributeManager(h5py.HLObject(node))[name]
-        _check_attribute(value, declared, scope, where)
+        if declared.limited:
+            values = np.empty(shape, type_.dtype)
+            told.read(values)
+            _check_attribute(values, declared, scope, where)
 
 
-def _check_attribute(value: Any, declared: Attribute, scope: Scope, where: str) -> None:
-    texts = [value] if isinstance(value, str) else value if declared.kind == TEXTS else []
-    if not all(is_text(text) for text in texts):
-        raise LayoutError(where, "its text is damaged")
-    if declared.one_of and value not in declared.one_of:
-        raise LayoutError(where, f"'{value}' is not among {', '.join(declared.one_of)}")
+def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, where: str) -> None:
+    value = values[()]
+    if declared.one_of:
+        word = (value or b"").decode(errors="replace")
+        if word not in declared.one_of:
+            raise LayoutError(where, f"{shorten(ascii(word), 40)} is not among {', '.join(declared.one_of)}")
+        return
     if declared.finite and not np.isfinite(value):
         raise LayoutError(where, f"{value} is no finite number")
     if declared.above is not None and value <= declared.above:

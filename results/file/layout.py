@@ -56,6 +56,11 @@ class Attribute:
     one_of: tuple[str, ...] = ()
     size: Size | None = None
 
+    @property
+    def limited(self) -> bool:
+        """Whether not every value of its kind is allowed."""
+        return self.finite or self.above is not None or bool(self.one_of or self.size)
+
 
 @dataclass(frozen=True)
 class Array:

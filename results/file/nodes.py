@@ -56,11 +56,14 @@ def opened(node: h5py.h5g.GroupID, name: str, where: str) -> Any:
 
     Raises LayoutError if there is none, or a link to elsewhere.
     """
-    if not has(node, name):
-        raise LayoutError(where, "it is missing")
-    if node.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+    spelt = name.encode()
+    try:
+        link = node.links.get_info(spelt)
+    except KeyError:
+        raise LayoutError(where, "it is missing") from None
+    if link.type != h5py.h5l.TYPE_HARD:
         raise LayoutError(where, "it is a link to another place, which is not followed")
-    return h5py.h5o.open(node, name.encode())
+    return h5py.h5o.open(node, spelt)
 
 
 def names_in(node: h5py.h5g.GroupID, where: str) -> list[str]:
@@ -109,11 +112,3 @@ def shape_of(node: h5py.h5d.DatasetID | h5py.h5a.AttrID, where: str) -> tuple[in
     if space.get_simple_extent_type() == h5py.h5s.NULL:
         raise LayoutError(where, "it has no value")
     return SINGLE if space.get_simple_extent_type() == h5py.h5s.SCALAR else space.get_simple_extent_dims()
-
-
-def is_text(text: object) -> bool:
-    """Whether a value is a text that can be written as UTF-8: h5py reads damaged ones as lone surrogates."""
-    try:
-        return isinstance(text, str) and bool(text.encode() or True)
-    except UnicodeEncodeError:
-        return False
