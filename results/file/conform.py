@@ -142,7 +142,7 @@ class Conformance:
 
 
 def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, where: str) -> None:
-    value = values[()]
+    value: Any = values[()]
     if declared.one_of:
         word = (value or b"").decode(errors="replace")
         if word not in declared.one_of:
