@@ -57,11 +57,9 @@ def opened(node: h5py.h5g.GroupID, name: str, where: str) -> Any:
     Raises LayoutError if there is none, or a link to elsewhere.
     """
     spelt = name.encode()
-    try:
-        link = node.links.get_info(spelt)
-    except KeyError:
-        raise LayoutError(where, "it is missing") from None
-    if link.type != h5py.h5l.TYPE_HARD:
+    if not node.links.exists(spelt):
+        raise LayoutError(where, "it is missing")
+    if node.links.get_info(spelt).type != h5py.h5l.TYPE_HARD:
         raise LayoutError(where, "it is a link to another place, which is not followed")
     return h5py.h5o.open(node, spelt)
 
