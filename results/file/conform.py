@@ -203,8 +203,10 @@ def _bind(scope: Scope, size: Size, n: int, where: str) -> None:
 
 
 def _may_lack(node: h5py.h5g.GroupID, declared: Array | Group | Each | Attribute, has: Any) -> bool:
-    if not isinstance(declared, Array | Attribute):
+    if isinstance(declared, Group):
         return False
+    if isinstance(declared, Each):
+        return declared.optional
     return declared.optional or bool(declared.along and not has(node, declared.along))
 
 

@@ -63,7 +63,7 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
         raise SpecError(Mistake(source, f"it has none of the states {names}", "give a result of a similar problem"))
     dense = group["dense"]
     time = dense["time"][:]
-    known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense[kind].items()}
+    known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense.get(kind, {}).items()}
     parameters = {name: float(np.nan_to_num(value[()])) for name, value in group["parameter"].items()}
     if not time[-1] > time[0]:
         raise SpecError(Mistake(source, "its duration is zero", "give another result"))

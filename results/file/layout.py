@@ -92,7 +92,7 @@ class Each:
     """A group of things that are alike: its members have the names of a symbol, or the numbers 0, 1, 2 and so on.
 
     least: of them. or_none: whether there may be none of the names. own: whether sizes within one are not those within
-    another.
+    another. optional: whether the group may be missing.
     """
 
     member: Array | Group
@@ -101,6 +101,7 @@ class Each:
     least: int = 0
     or_none: bool = False
     own: bool = False
+    optional: bool = False
 
 
 UNITS = Attribute(TEXT, optional=True)
@@ -133,8 +134,8 @@ def _curves(where: str) -> dict[str, Array | Group | Each]:
         "time": Array(NUMBER, curve.sizes, ordered="times"),
         "state": Each(curve, names="states", least=1),
         "control": Each(curve, names="controls"),
-        "algebraic": Each(curve, names="algebraic"),
-        "costate": Each(curve, names="states", or_none=True),
+        "algebraic": Each(curve, names="algebraic", optional=True),  # the oldest results lack this and the next
+        "costate": Each(curve, names="states", or_none=True, optional=True),
     }
 
 

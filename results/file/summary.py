@@ -125,7 +125,7 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "time": {"initial": time[0], "final": time[-1], "unit": unit_of(time)},
         "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
         "controls": {name: _curve(values) for name, values in points["control"].items()},
-        "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
+        "algebraic": {name: _curve(values) for name, values in points.get("algebraic", {}).items()},
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
