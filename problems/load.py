@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,8 @@ from .schema.fields import STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
 from .text import brief, nearest, printable
-from .yaml.document import MAX_BYTES, decode, read_document
+from .yaml.document import MAX_BYTES, decode, dotted, read_document
+from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
 
@@ -161,20 +161,40 @@ def _default_tolerance(data: dict[str, Any]) -> list[Finding]:
     return []
 
 
-def load_stored(text: str, file: str) -> Spec:
-    """The spec that a result holds: full, and checked when it was solved, so its options may be the command line's.
+def load_stored(data: Mapping[str, Any], file: str) -> Spec:
+    """The spec that a result holds, full; a result is foreign data, so it is checked as a problem file is.
 
-    text: JSON.
+    data: plain, nested no deeper than Python can follow.
     file: the result, for messages.
 
-    Raises FileError if it is no spec of this version.
+    What only the command line may set is left out: nobody has given it on this one. Raises FileError if it is no spec
+    of this version.
     """
+    solver, locations = data.get("solver"), Locations(file, dict.fromkeys(_paths(data), 1))
+    if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
+        data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
-        spec = Spec.model_validate(json.loads(text), context={STORED: True})
-    except ValueError as error:  # of the JSON, or of the schema
-        what = "the problem that it holds cannot be read"
-        raise FileError(Mistake(file, what, "solve the problem anew with this version of trajopt")) from error
-    return spec.attach(text, Locations(file, {}), [])
+        spec = Spec.model_validate(data, context={STORED: True})
+        errors, _ = check_spec(spec)
+    except ValidationError as error:
+        raise _unreadable(messages.findings(error, locations)[0], file) from error
+    if errors:
+        raise _unreadable(errors[0], file)
+    return spec.attach(spec.model_dump_json(), Locations(file, {}), [])
+
+
+def _paths(node: Any, path: Place = ()) -> Iterator[Place]:
+    """The paths of all that stands in plain data."""
+    yield path
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in items:
+        yield from _paths(value, (*path, key))
+
+
+def _unreadable(first: Finding, file: str) -> FileError:
+    told = ": ".join(filter(None, [dotted(first.path), first.what]))
+    what = f"the problem that it holds cannot be read ({told})"
+    return FileError(Mistake(file, what, "solve the problem anew with this version of trajopt"))
 
 
 def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:

@@ -72,7 +72,7 @@ def test_kinds_that_are_not_there_have_no_panel(solved, name, count):
 def test_result_without_algebraic_variables_and_costates(solved, folder):
     with h5py.File(solved("cartpole")) as source, h5py.File("old.h5", "w") as old:
         source.copy("/phase", old)
-        for group in ("mesh", "spec"):
+        for group in ("mesh", "spec", "solver"):
             source.copy(group, old)
         old.attrs.update(source.attrs)
         for grid in ("points", "dense"):
