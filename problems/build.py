@@ -9,6 +9,7 @@ from .guess import initial_guess
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
+from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
@@ -56,7 +57,7 @@ class _Builder:
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
         written = self.written_constraints()
-        return Phase(
+        phase = Phase(
             name="main",
             initial_time=times[0],
             final_time=times[1],
@@ -75,6 +76,7 @@ class _Builder:
             time_unit=spec.time.unit,
             outputs=self.outputs(),
         )
+        return within_tables(phase)
 
     def outputs(self) -> dict[str, Function]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.

@@ -13,9 +13,11 @@ from .checks.repair import repair
 from .checks.values import NO_STATES, check_spec
 from .errors import FileError, Mistake, SpecError
 from .schema import messages
-from .schema.fields import STORED
+from .schema.fields import STORED, TABLES
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
+from .schema.tables import table_names
+from .tables.files import read_files
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, read_document
 from .yaml.locations import Finding, Locations
@@ -50,7 +52,8 @@ def load(
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
-    return load_text(_read(Path(source)), str(source), overrides, methods, options)
+    source = Path(source)
+    return load_text(_read(source), str(source), overrides, methods, options, source.parent)
 
 
 def load_text(
@@ -59,12 +62,14 @@ def load_text(
     overrides: Sequence[str] = (),
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
+    folder: Path | None = None,
 ) -> Spec:
     """As `load`, from a text.
 
     text: YAML.
     file: the name used in messages; without its suffix, the name of a problem that gives none.
     overrides, methods, options: as `load` takes them.
+    folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
@@ -83,13 +88,16 @@ def load_text(
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
         early.append(NO_STATES)
+    context = {"methods": tuple(methods), TABLES: table_names(data)}
+    unread = read_files(data, folder)
+    early += unread
     try:
-        spec = Spec.model_validate(data, context={"methods": tuple(methods)})
+        spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
         found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = check_spec(spec)
+    errors, warnings = check_spec(spec, whole=not unread)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
@@ -118,7 +126,8 @@ def load_stored(text: str, file: str) -> Spec:
     Raises FileError if it is no spec of this version.
     """
     try:
-        spec = Spec.model_validate(json.loads(text), context={STORED: True})
+        data = json.loads(text)
+        spec = Spec.model_validate(data, context={STORED: True, TABLES: table_names(data)})
     except ValueError as error:  # of the JSON, or of the schema
         what = "the problem that it holds cannot be read"
         raise FileError(Mistake(file, what, "solve the problem anew with this version of trajopt")) from error

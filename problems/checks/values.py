@@ -7,11 +7,12 @@ from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
+from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.slips import MAX_NAME, RESERVED
-from ..expressions.tree import leaves
+from ..expressions.tree import Lookup, Name, leaves, nodes
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
-from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
+from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
 from ..schema.declarations import TimeEnd
@@ -22,6 +23,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
+from .tables import beyond_tables
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
@@ -36,6 +38,7 @@ _USED = {
     CONTROL: "controls",
     ALGEBRAIC: "algebraic",
     "static parameter": "optimize",
+    TABLE: "tables",
 }
 
 
@@ -72,6 +75,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         checker.objective()
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
+        checker.errors += beyond_tables(spec, checker.symbols)
         checker.unused()
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
@@ -97,7 +101,7 @@ class _Checker:
         spec = self.spec
         first: dict[str, str] = {}
         model = find_model(spec.model) if spec.model else None
-        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
+        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
             for name in getattr(spec, group):
@@ -115,7 +119,7 @@ class _Checker:
         if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
             what = f'"{brief(name)}" cannot be a name'
             self.error(path, what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
-        elif name in RESERVED:
+        elif name in RESERVED or (path[0] == "tables" and name in (*LACKING, *ALIASES)):
             remedy = f"choose another name, such as {name}1"
             self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
         elif name in first:
@@ -295,7 +299,10 @@ class _Checker:
 
     def unused(self) -> None:
         """Names that are declared and then play no part."""
-        named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
+        used = [node for use in uses(self.spec) for node in nodes(use.expression.root)]
+        named = {
+            node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)
+        }
         if self.spec.model:
             model = find_model(self.spec.model)
             named |= {*model.parameters, *model.controls, *model.algebraic}

@@ -21,6 +21,7 @@ from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEn
 from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
+from .tables import TableEntry
 
 
 class Spec(Entry):
@@ -40,6 +41,9 @@ class Spec(Entry):
     )
     expressions: dict[str, Formula] = Field(
         {}, max_length=MAX_NAMES, description="name -> expression that others may use by that name"
+    )
+    tables: dict[str, TableEntry] = Field(
+        {}, max_length=MAX_NAMES, description="tables of data: name -> {points, values} or {file}, called as name(h)"
     )
     model: Text = Field(
         "",
@@ -147,7 +151,7 @@ class Spec(Entry):
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
-        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions")
+        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions", "tables")
         named = {group: getattr(self, group) for group in groups}
         declared = [f"{group} {shorten(', '.join(names), 60)}" for group, names in named.items() if names]
         if self.model:

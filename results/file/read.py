@@ -123,11 +123,12 @@ class Result:
 
         from ...problems.build import build
         from ...problems.names.symbols import Symbols
-        from ...problems.schema.fields import STORED
+        from ...problems.schema.fields import STORED, TABLES
         from ...problems.schema.spec import Spec
+        from ...problems.schema.tables import table_names
 
         try:
-            spec = Spec.model_validate(self.spec, context={STORED: True})
+            spec = Spec.model_validate(self.spec, context={STORED: True, TABLES: table_names(self.spec)})
             problem, numbers = build(spec), Symbols(spec).numbers
         except (ValidationError, SpecError) as error:
             what = "the problem in it cannot be read by this version of trajopt"

@@ -25,7 +25,9 @@ from pyomo.core.expr.numvalue import native_numeric_types, native_types, value
 from pyomo.core.expr.template_expr import GetItemExpression, IndexTemplate, TemplateSumExpression
 
 from ...problems.expressions.functions import FUNCTIONS
-from .templates import TemplateError
+from ...problems.tables.table import Table
+from .lookups import Lookup
+from .templates import TemplateError, table_of
 
 SYMENGINE = {row.name: getattr(se, row.name) for row in FUNCTIONS.values() if row.composed is None}
 EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers beyond it not all floats
@@ -137,7 +139,7 @@ class Arguments:
     """The arguments of one family of templates over S index values, as its expressions are translated.
 
     variables, data: SymEngine symbols v0, v1, ... and d0, d1, ..., in order of first appearance; variable_slots and
-    data_slots: for each of them the (S,) slots it stands for.
+    data_slots: for each of them the (S,) slots it stands for. lookups: of tables of data, inner ones first.
     """
 
     def __init__(self, slots: Slots, values: np.ndarray) -> None:
@@ -146,6 +148,7 @@ class Arguments:
         self.data: list[se.Symbol] = []
         self.variable_slots: list[np.ndarray] = []
         self.data_slots: list[np.ndarray] = []
+        self.lookups: list[Lookup] = []
         self._known: dict[Any, se.Symbol] = {}
         self._looked_up: dict[tuple, np.ndarray] = {}
 
@@ -196,6 +199,14 @@ class Arguments:
             self._known[shape] = self._symbol(np.broadcast_to(slot, self.values.shape))
         return self._known[shape]
 
+    def look_up(self, table: Table, arguments: Sequence[se.Basic]) -> se.Symbol:
+        """The symbol of the value of a table; the same lookup is made once."""
+        key = (id(table), *arguments)
+        if key not in self._known:
+            self.lookups.append(Lookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
+            self._known[key] = self.lookups[-1].value
+        return self._known[key]
+
     def _symbol(self, slot: np.ndarray) -> se.Symbol:
         # Two leaves that are the same number at every index are one argument, whatever they are called.
         key = slot.tobytes()
@@ -243,10 +254,19 @@ class _Translation:
             return self.arguments.leaf(e, self.template)
         if isinstance(e, TemplateSumExpression):
             raise TemplateError(f"{e} is a sum over a Set inside an indexed family or a nonlinear term")
+        if isinstance(e, ne.ExternalFunctionExpression):
+            return self.table(e)
         parts = [self(a) for a in e.args]
         if isinstance(e, ne.UnaryFunctionExpression):
             return _real(_function(e)(parts[0]), parts)
         return _real(_operation(e, parts, se.Integer(0)), parts)
+
+    def table(self, e: Any) -> se.Basic:
+        found = table_of(e)
+        if found is None:
+            raise TemplateError(f"the external function {e.getname()} has no derivative here")
+        table, operands = found
+        return self.arguments.look_up(table, [self(a) for a in operands])
 
 
 def _function(e: Any) -> Callable:
