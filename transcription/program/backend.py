@@ -27,12 +27,15 @@ def available_backend() -> str:
     return "llvm"
 
 
-def lambdify(inputs: Sequence[se.Symbol], expressions: Sequence[se.Basic], backend: str) -> Any:
+def lambdify(
+    inputs: Sequence[se.Symbol], expressions: Sequence[se.Basic], backend: str, opt_level: int = OPT_LEVEL
+) -> Any:
     """Compiled code of expressions, called with rows of inputs.
 
     inputs: the symbols, in the order of a row.
     expressions: at least one.
     backend: "llvm" or "lambda", of SymEngine's Lambdify.
+    opt_level: how hard LLVM tries, from 0 to 3.
     """
-    options = {"backend": backend, "cse": True, **({"opt_level": OPT_LEVEL} if backend == "llvm" else {})}
+    options = {"backend": backend, "cse": True, **({"opt_level": opt_level} if backend == "llvm" else {})}
     return se.Lambdify(inputs, expressions, **options)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement
 from math import prod
 from typing import Any
 
@@ -93,38 +93,50 @@ class Chain:
         return self._known[symbol]
 
 
-def levels(lookups: Sequence[Lookup]) -> list[list[Lookup]]:
+Group = list[Lookup]
+"""Lookups of one table, made at once."""
+
+
+def levels(lookups: Sequence[Lookup]) -> list[list[Group]]:
     """The lookups in an order in which they can be made: those of one level need only those of the levels before."""
     depth: dict[se.Symbol, int] = {}
-    found: list[list[Lookup]] = []
+    found: list[dict[int, Group]] = []
     for own in lookups:  # an inner one has the smaller number: it is translated first
         inner = (depth[s] for a in own.arguments for s in a.free_symbols if s in depth)
         level = max((1 + d for d in inner), default=0)
         depth |= dict.fromkeys(own.symbols, level)
         if level == len(found):
-            found.append([])
-        found[level].append(own)
-    return found
+            found.append({})
+        found[level].setdefault(id(own.table), []).append(own)
+    return [list(groups.values()) for groups in found]
+
+
+def in_order(lookups: Sequence[Lookup]) -> list[Lookup]:
+    """The lookups in the order of their columns: by level, and in it by table."""
+    return [own for groups in levels(lookups) for group in groups for own in group]
 
 
 class Cells:
-    """A table at many points: value, first and second partial derivatives, in the order of `Lookup.symbols`."""
+    """A table at many points: value, first and second partial derivatives, in the order of `Lookup.symbols`.
+
+    rows: for each cell its coefficients and its lower corner.
+    """
 
     def __init__(self, table: Table, backend: str) -> None:
-        self.axes, self.rows = table.axes, table.rows
+        self.inner, self.sizes = [axis.inner for axis in table.axes], [len(axis.left) for axis in table.axes]
+        corners = np.stack([own.ravel() for own in np.meshgrid(*(axis.left for axis in table.axes), indexing="ij")])
+        self.rows = np.ascontiguousarray(np.hstack([table.rows, corners.T]))
         self.code = _polynomial(len(table.axes), backend)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """points: (S, n). Returns (S, 1 + n + n (n + 1)/2)."""
-        n, terms = len(self.axes), self.rows.shape[1]
-        full = np.empty((len(points), terms + n))
-        cell: Any = 0
-        for i, axis in enumerate(self.axes):
-            k = axis.inner.searchsorted(points[:, i], side="right")
-            np.subtract(points[:, i], axis.left.take(k), out=full[:, terms + i])
-            cell = cell * len(axis.left) + k
-        full[:, :terms] = self.rows.take(cell, axis=0)
-        return self.code(full)
+        cell: Any = self.inner[0].searchsorted(points[:, 0], side="right")
+        for i, size in enumerate(self.sizes[1:], 1):
+            cell = cell * size + self.inner[i].searchsorted(points[:, i], side="right")
+        read = self.rows.take(cell, axis=0)
+        distance = read[:, -len(self.sizes) :]
+        np.subtract(points, distance, out=distance)
+        return self.code(read)
 
 
 @cache
@@ -132,38 +144,49 @@ def _polynomial(n: int, backend: str) -> Any:
     """Compiled code: the coefficients of a cell and the distances from its corner -> what `Cells` gives."""
     c = [se.Symbol(f"c{i}") for i in range(ORDER**n)]
     d = [se.Symbol(f"d{i}") for i in range(n)]
-    powers = product(range(ORDER), repeat=n)
-    value = sum(
-        own * prod(x**p for x, p in zip(d, exponents, strict=True)) for own, exponents in zip(c, powers, strict=True)
-    )
-    first = [value.diff(x) for x in d]
-    second = [first[i].diff(d[j]) for i, j in combinations_with_replacement(range(n), 2)]
-    return lambdify(c + d, [value, *first, *second], backend)
+    orders = (own for order in range(3) for own in combinations_with_replacement(range(n), order))
+    outputs = [_horner(c, d, [own.count(i) for i in range(n)]) for own in orders]
+    return lambdify(c + d, outputs, backend, opt_level=3)
+
+
+def _horner(coefficients: list[Any], distances: list[Any], orders: list[int]) -> Any:
+    """A partial derivative of the polynomial of a cell, whose coefficients have the powers of the last axis first."""
+    if not distances:
+        return coefficients[0]
+    rows = [coefficients[k : k + ORDER] for k in range(0, len(coefficients), ORDER)]
+    order, x = orders[-1], distances[-1]
+    inner = []
+    for row in rows:
+        derived = [prod(range(k - order + 1, k + 1)) * own for k, own in enumerate(row)][order:]
+        found = derived[-1]
+        for own in reversed(derived[:-1]):
+            found = found * x + own
+        inner.append(found)
+    return _horner(inner, distances[:-1], orders[:-1])
 
 
 class Filled:
-    """The columns of one family's arguments that hold what is looked up, from `first` on.
+    """The columns of one family's arguments that hold what is looked up.
 
-    passes: compiled code of the arguments of each level. lookups: in their order.
+    lookups: of tables. passes: compiled code of the arguments of each level of them, as of `levels`. first: the column
+    of the first.
     """
 
     def __init__(self, lookups: Sequence[Lookup], passes: Sequence[Any], first: int, backend: str) -> None:
-        self.steps = []
-        starts, start = {}, first
-        for own in lookups:
-            starts[own.number] = start
-            start += len(own.symbols)
-        for level, code in zip(levels(lookups), passes, strict=True):
+        self.steps, start = [], first
+        for groups, code in zip(levels(lookups), passes, strict=True):
             places, at = [], 0
-            for own in level:
-                begin, n = starts[own.number], len(own.arguments)
-                places.append((slice(at, at + n), slice(begin, begin + len(own.symbols)), Cells(own.table, backend)))
-                at += n
+            for group in groups:
+                n, width = len(group[0].arguments), sum(len(own.symbols) for own in group)
+                asked, columns = slice(at, at + n * len(group)), slice(start, start + width)
+                places.append((asked, n, columns, Cells(group[0].table, backend)))
+                at, start = asked.stop, columns.stop
             self.steps.append((code, places))
 
     def fill(self, arguments: np.ndarray) -> None:
         """Look everything up, for arguments (S, K) whose variables and data are there."""
         for code, places in self.steps:
             points = code(arguments).reshape(len(arguments), -1)
-            for own, columns, cells in places:
-                arguments[:, columns] = cells(points[:, own])
+            for asked, n, columns, cells in places:
+                values = cells(points[:, asked].reshape(-1, n))
+                arguments[:, columns] = values.reshape(len(arguments), -1)

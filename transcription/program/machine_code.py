@@ -12,7 +12,7 @@ import numpy as np
 import symengine as se
 
 from .backend import lambdify
-from .lookups import Chain, Lookup, levels
+from .lookups import Chain, Lookup, in_order, levels
 
 CODE_LIMIT = 256  # compiled families kept for the next mesh
 
@@ -55,7 +55,7 @@ def compile_family(
     lookups: of tables of data, whose symbols may stand in the outputs and in the arguments of later ones; the code is
         the same for all tables of as many arguments.
     """
-    key = (tuple(outputs), n_variables, n_data, backend, tuple(own.arguments for own in lookups))
+    key = (tuple(outputs), n_variables, n_data, backend, tuple((own.number, own.arguments) for own in in_order(lookups)))
     if key not in _code:
         if len(_code) >= CODE_LIMIT:
             _code.pop(next(iter(_code)))
@@ -71,7 +71,7 @@ def _compile(
             [se.Symbol(f"{x}{i}") for i in range(k)]
             for x, k in (("v", n_variables), ("d", n_data), ("w", len(outputs)))
         )
-        t = [symbol for own in lookups for symbol in own.symbols]
+        t = [symbol for own in in_order(lookups) for symbol in own.symbols]
         chain = Chain({symbol: j for j, symbol in enumerate(v)}, lookups)
         jacobian = [(o, j, e) for o, y in enumerate(outputs) for j, e in chain.derivatives(y)]
         gradient: dict[int, se.Basic] = {}
@@ -81,7 +81,8 @@ def _compile(
     with timing(seconds, "compile"):
         inputs, asked = v + d + t + w, (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])
         value, d_value, d2_value = (lambdify(inputs, own, backend) if own else None for own in asked)
-        passes = [lambdify(inputs, [a for own in level for a in own.arguments], backend) for level in levels(lookups)]
+        asked_of = ([a for group in groups for own in group for a in own.arguments] for groups in levels(lookups))
+        passes = [lambdify(inputs, own, backend) for own in asked_of]
     first, second = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
     return Code(tuple(outputs), value, d_value, d2_value, first, second, tuple(passes))
 
