@@ -7,9 +7,9 @@ from typing import Any
 
 from ..text import brief
 from ..yaml.locations import Finding
-from .csv_file import TableFileError, read_table
+from .csv_file import TableFileError, Trouble, read_table
 
-NO_FOLDER = "a text has no folder that the file could be in", "write the table here, as points: and values:"
+NO_FOLDER = Trouble("a text has no folder that the file could be in", "write the table here, as points: and values:")
 OF_FILE = ("file", "arguments", "value")
 """Keys that say where a table is; `points`, `values` and `source` take their place."""
 
@@ -29,7 +29,7 @@ def read_files(data: dict[str, Any], folder: Path | None) -> list[Finding]:
             continue
         try:
             if folder is None:
-                raise TableFileError([NO_FOLDER])  # type: ignore[list-item]
+                raise TableFileError([NO_FOLDER])
             grid = read_table(folder, entry["file"], entry.get("arguments"), entry.get("value"))
         except TableFileError as error:
             findings += [Finding(("tables", name, "file"), what, remedy) for what, remedy in error.troubles]

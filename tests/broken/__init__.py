@@ -10,13 +10,14 @@ from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .good import GOOD, IMPLICIT
 from .methods import CONSISTENT, RANGES, SOLVERS
+from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
 from .values import KEYS, NUMBERS, STRANGE
 
-__all__ = ["CASES", "GOOD", "IMPLICIT", "METHODS", "Case", "write"]
+__all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLES", "Case", "write"]
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
 ]

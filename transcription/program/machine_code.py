@@ -55,7 +55,13 @@ def compile_family(
     lookups: of tables of data, whose symbols may stand in the outputs and in the arguments of later ones; the code is
         the same for all tables of as many arguments.
     """
-    key = (tuple(outputs), n_variables, n_data, backend, tuple((own.number, own.arguments) for own in in_order(lookups)))
+    key = (
+        tuple(outputs),
+        n_variables,
+        n_data,
+        backend,
+        tuple((own.number, own.arguments) for own in in_order(lookups)),
+    )
     if key not in _code:
         if len(_code) >= CODE_LIMIT:
             _code.pop(next(iter(_code)))
