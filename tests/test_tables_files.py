@@ -1,9 +1,11 @@
 """Tables of data in files: CSV files beside a problem, what a result keeps of them, overrides, sweeps."""
 
 import json
+import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import broken
 import numpy as np
@@ -139,3 +141,16 @@ def test_a_sweep_of_workers_looks_tables_up(tmp_path):
     index = (out / "index.csv").read_text().splitlines()
     column = index[0].split(",").index("objective")
     assert float(index[2].split(",")[column]) == pytest.approx(json.loads(alone.stdout)["objective"], rel=1e-8)
+
+
+def test_the_example_of_the_docs(tmp_path):
+    docs = (Path(__file__).parents[1] / "docs" / "problem_file.md").read_text(encoding="utf-8")
+    example = re.findall(r"```yaml\n(.*?)```", docs, re.DOTALL)[-1]
+    assert example.startswith("tables:")
+    head = "trajopt: 1\nparameters: {a: 300, m: 1}\ntime: {initial: 0, final: 1}\ncontrols: {u: {}}\n"
+    path = tmp_path / "docs.yaml"
+    path.write_text(head + example + "  h: {rate: u}\nobjective: {minimize: {integral: u**2}}\n")
+    (tmp_path / "thrust.csv").write_text("h,thrust,M\n0,1,0\n1,2,0\n0,3,1\n1,4,1\n")
+    spec = load(path, (), broken.METHODS)
+    assert [w.what for w in spec.warnings] == ["the table lift is used nowhere"]
+    assert spec.tables["thrust"].values == [[1, 2], [3, 4]] and list(spec.tables["thrust"].points) == ["M", "h"]

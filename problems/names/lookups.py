@@ -69,8 +69,8 @@ def kept(function: Function) -> Iterator[Kept]:
     """The arguments of tables in a function of a problem, and in what it refers to, that may not leave the points."""
     if not isinstance(function, Expression):
         return  # a model's
-    trees = [(function.root, None), *((definition.root, end) for definition, end in function.steps.values())]
-    for root, end in trees:
+    steps = sorted(function.steps.items())  # in the same order at every call: the first gives a constraint its name
+    for root, end in [(function.root, None), *((definition.root, end) for _, (definition, end) in steps)]:
         for node in (node for node in nodes(root) if isinstance(node, Lookup)):
             for axis, operand in zip(function.tables[node.table].axes, node.operands, strict=True):
                 if axis.outside == ERROR:

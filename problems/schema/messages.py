@@ -22,7 +22,6 @@ EXAMPLES = {
     "expressions": "{power: u*v}",
     "tables": "{rho: {points: {h: [0, 1e4, 2e4]}, values: [1.2, 0.4, 0.09]}}",
     "points": "{h: [0, 1e4, 2e4]}",
-    "values": "[1.2, 0.4, 0.09]",
     "units": "{h: m}",
     "states": "{x: {rate: v, initial: 0, final: 1}}",
     "velocity": "{name: v, initial: 0}",
