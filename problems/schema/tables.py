@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, PlainValidator, WithJsonSchema
 
-from ..tables.choices import CUBIC, ERROR, LINEAR, MAX_ARGUMENTS, MAX_VALUES, MONOTONE, WAYS
+from ..tables.choices import ERROR, LINEAR, MAX_ARGUMENTS, MAX_VALUES, MONOTONE, WAYS
 from ..text import brief, did_you_mean
 from ..yaml.document import Path, in_words
 from .declarations import NOTE, UNIT
@@ -53,7 +53,8 @@ def _grid(value: Any) -> list[Any]:
     if not isinstance(value, list) or not value:
         remedy = "write a list of numbers, for two arguments a list of such lists"
         raise mistake(f"the values are {in_words(value)}", remedy)
-    return _row(value, ())
+    rows: list[Any] = _row(value, ())
+    return rows
 
 
 def _row(value: Any, at: tuple[int, ...]) -> Any:
@@ -128,7 +129,7 @@ class TableEntry(Entry):
     arguments: list[Text] | None = Field(None, description="columns of the CSV file that are arguments, in their order")
     value: Text | None = Field(None, description="column of the CSV file that holds the values")
     kind: Literal["cubic", "monotone", "linear"] = Field(
-        CUBIC, description="cubic: C2 spline (default); monotone: PCHIP, C1 only; linear: needs smooth:"
+        "cubic", description="cubic: C2 spline (default); monotone: PCHIP, C1 only; linear: needs smooth:"
     )
     outside: Outside = Field(
         ERROR, description="beyond the points: error (default: the argument is bounded), hold or extrapolate"
@@ -161,15 +162,16 @@ class TableEntry(Entry):
             yield Wrong(("points",), what, f"give points of one to {MAX_ARGUMENTS} arguments")
 
     def _of_shape(self) -> Iterator[Wrong]:
-        given, wanted = np.shape(self.values), tuple(map(len, self.axes.values()))
+        values = np.array(self.values or (), float)
+        given, wanted = values.shape, tuple(map(len, self.axes.values()))
         if given != wanted:
             names = " and ".join(self.axes)
             what = f"the values are {_shape(given)}, the points of {names} {_shape(wanted)}"
             yield Wrong(
                 ("values",), what, "give a value for each point, in lists of lists where there are two arguments"
             )
-        elif np.size(self.values) > MAX_VALUES:
-            what = f"the table has {np.size(self.values)} values"
+        elif values.size > MAX_VALUES:
+            what = f"the table has {values.size} values"
             yield Wrong(("values",), what, f"give at most {MAX_VALUES}")
 
     def _of_kind(self) -> Iterator[Wrong]:

@@ -22,9 +22,10 @@ def read_files(data: dict[str, Any], folder: Path | None) -> list[Finding]:
 
     What a problem then holds is all that its solution needs, also when the CSV file is gone.
     """
-    tables = data.get("tables")
     findings: list[Finding] = []
-    for name, entry in list(tables.items()) if isinstance(tables, dict) else ():
+    given = data.get("tables")
+    tables: dict[str, Any] = given if isinstance(given, dict) else {}
+    for name, entry in list(tables.items()):
         if not isinstance(entry, dict) or not _is_read(entry):
             continue
         try:

@@ -38,7 +38,8 @@ def fit_of(kind: str, smooth: float) -> Fit:
     kind: cubic, monotone or linear.
     smooth: half the width over which `linear` rounds its kinks, less than half of the smallest distance of points.
     """
-    return {CUBIC: _cubic, MONOTONE: _monotone, LINEAR: partial(_rounded, smooth)}[kind]
+    fits: dict[str, Fit] = {CUBIC: _cubic, MONOTONE: _monotone, LINEAR: partial(_rounded, smooth)}
+    return fits[kind]
 
 
 def _cubic(points: Array, values: Array, held: bool) -> Pieces:

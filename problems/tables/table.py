@@ -110,7 +110,7 @@ def _horner(coefficients: Array, distance: Array, order: int) -> Array:
     """The derivative of that order of a polynomial whose coefficients are along the last axis."""
     factors = np.polynomial.polynomial.polyder(np.eye(ORDER), order) if order else np.eye(ORDER)
     derived = coefficients @ factors.T
-    found = derived[..., -1]
+    found: Array = derived[..., -1]
     for power in range(derived.shape[-1] - 2, -1, -1):
         found = found * distance + derived[..., power]
     return found

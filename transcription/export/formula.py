@@ -19,7 +19,7 @@ from pyomo.core.expr.numvalue import native_numeric_types, value
 from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
 
 from ...problems.expressions.functions import FUNCTIONS
-from ..program.templates import TemplateError, table_of
+from ..program.templates import TemplateError
 
 LINE = 96.0  # digits of 10 pt that fit between the margins of `latex`
 FRACTION = 74.0  # wider quotients are written with a slash
@@ -230,7 +230,7 @@ _NODES = {
     ne.NegationExpression: lambda node, parts: negation(*parts),
     ne.PowExpression: lambda node, parts: power(*parts),
     ne.UnaryFunctionExpression: lambda node, parts: call(node.getname(), *parts),
-    ne.ExternalFunctionExpression: lambda node, parts: looked_up(node.getname(), parts[: len(table_of(node)[1])]),
+    ne.ExternalFunctionExpression: lambda node, parts: looked_up(node.getname(), parts[:-1]),  # of tables only
     relation.EqualityExpression: lambda node, parts: related(EQUAL, *parts),
     relation.InequalityExpression: lambda node, parts: related(AT_MOST, *parts),
     relation.RangedExpression: lambda node, parts: related(AT_MOST, *parts),

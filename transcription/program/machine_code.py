@@ -90,6 +90,7 @@ def _compile(
         asked_of = ([a for group in groups for own in group for a in own.arguments] for groups in levels(lookups))
         passes = [lambdify(inputs, own, backend) for own in asked_of]
     first, second = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
+    assert value is not None  # a family has outputs
     return Code(tuple(outputs), value, d_value, d2_value, first, second, tuple(passes))
 
 
