@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .problem import Function
+
+if TYPE_CHECKING:  # tables import SciPy
+    from .tables.table import Table
 
 SAMPLES = 8
 
@@ -18,7 +21,7 @@ class _Anywhere:
     def __getattr__(self, name: str) -> Any:
         return getattr(np, name)
 
-    def table_value(self, operands: Sequence[Any]) -> Any:
+    def table_value(self, table: Table, operands: Sequence[Any]) -> Any:
         return sum(np.sin((i + 1.0) * operand) for i, operand in enumerate(operands))
 
 

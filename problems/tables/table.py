@@ -55,13 +55,13 @@ class Table:
         """The value, one operand for each argument.
 
         functions: `numpy`; `pyomo.core`, which gets an external function that carries this table as `table`; or what
-            stands for numpy and says itself what `table_value` is (`problems.probe`).
+            stands for another module and says itself what `table_value` of a table and its operands is.
         operands: numbers, arrays of shapes that fit, also complex ones (the complex step), or expressions.
         """
         if functions is np or all(isinstance(operand, int | float) for operand in operands):
             return self(*operands)
         if hasattr(functions, "table_value"):
-            return functions.table_value(operands)
+            return functions.table_value(self, operands)
         function = functions.ExternalFunction(fgh=self._for_pyomo, name=self.name)
         function.table = self
         return function(*operands)
