@@ -24,23 +24,26 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Axis:
-    """One argument: its name, the range of its points, what is done outside, and the breaks between its cells.
+    """One argument: its name, the range of its points, what is done outside, and the breaks between its m cells.
 
-    left: (m,) the lower end of each cell. inner: (m - 1,) the breaks between them.
+    inner: (m - 1,) the breaks, increasing.
     """
 
     name: str
     points: Range
     outside: str
-    left: Array
     inner: Array
+
+    @property
+    def cells(self) -> int:
+        return len(self.inner) + 1
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
 class Table:
-    """axes: one for each argument. rows: (cells, 4**n) coefficients of each cell, the powers of the last axis next to
-    each other; cells count along the last axis first."""
+    """axes: one for each argument. rows: (cells, 4**n + n) the coefficients of each cell, the powers of the last axis
+    next to each other, and then its lower corner; cells count along the last axis first."""
 
     name: str
     axes: tuple[Axis, ...]
@@ -76,20 +79,24 @@ class Table:
         arguments: one for each axis, arrays of shapes that fit.
         orders: how often it is taken by each.
         """
-        points = np.broadcast_arrays(*arguments)
-        cell, distances = self.cells([np.real(p) for p in points]), []
-        for axis, k, p in zip(self.axes, cell, points, strict=True):
-            distances.append(p - axis.left[k])
-        sizes = [len(axis.left) for axis in self.axes]
-        found = self.rows[np.ravel_multi_index(cell, sizes)].reshape(*points[0].shape, *[ORDER] * len(sizes))
+        points, n = np.broadcast_arrays(*arguments), len(self.axes)
+        read = self.rows[self.cells([np.real(p) for p in points])]
+        found = read[..., :-n].reshape(*points[0].shape, *[ORDER] * n)
+        distances = [p - read[..., i - n] for i, p in enumerate(points)]
         for distance, order in zip(reversed(distances), reversed(orders), strict=True):
             beside = distance[(...,) + (None,) * (found.ndim - 1 - points[0].ndim)]
             found = _horner(found, beside, order)
         return found
 
-    def cells(self, points: Sequence[Array]) -> tuple[Array, ...]:
-        """The number of the cell along each axis, for the points along that axis; not-a-number is in the last."""
-        return tuple(axis.inner.searchsorted(p, side="right") for axis, p in zip(self.axes, points, strict=True))
+    def cells(self, points: Sequence[Array]) -> Array:
+        """The number of the cell that each point is in; not-a-number is in the last along its axis.
+
+        points: real, one array of one shape for each axis.
+        """
+        cell = self.axes[0].inner.searchsorted(points[0], side="right")
+        for axis, p in zip(self.axes[1:], points[1:], strict=True):
+            cell = cell * axis.cells + axis.inner.searchsorted(p, side="right")
+        return np.asarray(cell)
 
     def outside(self, arguments: Sequence[Any]) -> Array:
         """Whether points are outside of what the table is about, by an argument that may not be."""
@@ -133,14 +140,16 @@ def fitted(
     outside: argument -> error, hold or extrapolate.
     smooth: argument -> half the width over which the kinks of `linear` are rounded.
     """
-    coefficients, axes = np.asarray(values, float), []
+    coefficients, axes, left = np.asarray(values, float), [], []
     for i, (argument, given) in enumerate(points.items()):
         at = np.array(given, float)
         # The axes that are done are (cells, 4) pairs at the front; the next one is fitted along its own index.
         moved = np.moveaxis(coefficients, 2 * i, 0)
         breaks, fit = fit_of(kind, smooth.get(argument, 0.0))(at, moved, outside[argument] == HOLD)
         coefficients = np.moveaxis(fit, (0, 1), (2 * i, 2 * i + 1))
-        axes.append(Axis(argument, Range(at[0], at[-1]), outside[argument], breaks[:-1], breaks[1:-1]))
+        axes.append(Axis(argument, Range(at[0], at[-1]), outside[argument], breaks[1:-1]))
+        left.append(breaks[:-1])
     n = len(axes)
-    ordered = coefficients.transpose(*range(0, 2 * n, 2), *range(1, 2 * n, 2))
-    return Table(name, tuple(axes), np.ascontiguousarray(ordered.reshape(-1, ORDER**n)))
+    ordered = coefficients.transpose(*range(0, 2 * n, 2), *range(1, 2 * n, 2)).reshape(-1, ORDER**n)
+    corners = np.stack(np.meshgrid(*left, indexing="ij"), axis=-1).reshape(-1, n)
+    return Table(name, tuple(axes), np.hstack([ordered, corners]))

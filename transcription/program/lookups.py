@@ -117,24 +117,15 @@ def in_order(lookups: Sequence[Lookup]) -> list[Lookup]:
 
 
 class Cells:
-    """A table at many points: value, first and second partial derivatives, in the order of `Lookup.symbols`.
-
-    rows: for each cell its coefficients and its lower corner.
-    """
+    """A table at many points: value, first and second partial derivatives, in the order of `Lookup.symbols`."""
 
     def __init__(self, table: Table, backend: str) -> None:
-        self.inner, self.sizes = [axis.inner for axis in table.axes], [len(axis.left) for axis in table.axes]
-        corners = np.stack([own.ravel() for own in np.meshgrid(*(axis.left for axis in table.axes), indexing="ij")])
-        self.rows = np.ascontiguousarray(np.hstack([table.rows, corners.T]))
-        self.code = _polynomial(len(table.axes), backend)
+        self.table, self.code = table, _polynomial(len(table.axes), backend)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """points: (S, n). Returns (S, 1 + n + n (n + 1)/2)."""
-        cell: Any = self.inner[0].searchsorted(points[:, 0], side="right")
-        for i, size in enumerate(self.sizes[1:], 1):
-            cell = cell * size + self.inner[i].searchsorted(points[:, i], side="right")
-        read = self.rows.take(cell, axis=0)
-        distance = read[:, -len(self.sizes) :]
+        read = self.table.rows.take(self.table.cells(points.T), axis=0)
+        distance = read[:, -points.shape[1] :]
         np.subtract(points, distance, out=distance)
         return self.code(read)
 
