@@ -9,10 +9,10 @@ from math import inf, isfinite
 from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.slips import MAX_NAME, RESERVED
-from ..expressions.tree import Lookup, Name, leaves, nodes
+from ..expressions.tree import leaves
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
-from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols, no_value
+from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..problem import Range
 from ..schema.declarations import TimeEnd
@@ -24,6 +24,7 @@ from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
 from .tables import beyond_tables
+from .unused import unused
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
@@ -31,15 +32,6 @@ NO_STATES = Finding(
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
-# What should stand in some expression: its role, and the section that declares it.
-_USED = {
-    "parameter": "parameters",
-    "expression": "expressions",
-    CONTROL: "controls",
-    ALGEBRAIC: "algebraic",
-    "static parameter": "optimize",
-    TABLE: "tables",
-}
 
 
 def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Finding]]:
@@ -76,7 +68,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
-        checker.unused()
+        checker.warnings += unused(spec, checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
@@ -296,18 +288,3 @@ class _Checker:
             if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
                 what = "the constraint is on a constant"
                 self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
-
-    def unused(self) -> None:
-        """Names that are declared and then play no part."""
-        used = [node for use in uses(self.spec) for node in nodes(use.expression.root)]
-        named = {
-            node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)
-        }
-        if self.spec.model:
-            model = find_model(self.spec.model)
-            named |= {*model.parameters, *model.controls, *model.algebraic}
-        for name, role in self.symbols.roles.items():
-            if role in _USED and name not in named:
-                self.warn(
-                    (_USED[role], name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression"
-                )

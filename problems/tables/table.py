@@ -81,14 +81,14 @@ class Table:
         """
         points, n = np.broadcast_arrays(*arguments), len(self.axes)
         read = self.rows[self.cells([np.real(p) for p in points])]
-        found = read[..., :-n].reshape(*points[0].shape, *[ORDER] * n)
+        found: Array = read[..., :-n].reshape(*points[0].shape, *[ORDER] * n)
         distances = [p - read[..., i - n] for i, p in enumerate(points)]
         for distance, order in zip(reversed(distances), reversed(orders), strict=True):
             beside = distance[(...,) + (None,) * (found.ndim - 1 - points[0].ndim)]
             found = _horner(found, beside, order)
         return found
 
-    def cells(self, points: Sequence[Array]) -> Array:
+    def cells(self, points: Sequence[Array] | Array) -> Array:
         """The number of the cell that each point is in; not-a-number is in the last along its axis.
 
         points: real, one array of one shape for each axis.

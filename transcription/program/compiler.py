@@ -30,7 +30,8 @@ from .backend import available_backend
 from .contract import callback
 from .family import CompiledFamily, Entries
 from .machine_code import compile_family, timing
-from .symbolic import Arguments, Slots
+from .slots import Slots
+from .symbolic import Arguments
 from .templates import TemplateError, linear_parts, template_of
 
 

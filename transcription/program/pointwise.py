@@ -11,7 +11,8 @@ import symengine as se
 from .backend import available_backend
 from .lookups import Filled, Lookup
 from .machine_code import Code, compile_family, timing
-from .symbolic import Arguments, Slots
+from .slots import Slots
+from .symbolic import Arguments
 
 
 class PointFunctions:
