@@ -11,6 +11,10 @@ from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
+from .phases.guess import through_phases
+from .phases.links import in_order, links_of
+from .phases.merge import phase_specs
+from .phases.order import own_entries
 from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -21,34 +25,49 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
 
     Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
     """
-    return _Builder(spec, mesh).problem()
+    builders: dict[str, _Builder] = {}
+    for name, own in phase_specs(spec).items():
+        taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
+        builders[name] = _Builder(own, name, mesh, frozenset(taken))
+    first = next(iter(builders.values()))
+    symbols = {name: builder.symbols for name, builder in builders.items()}
+    phases = [builder.phase() for builder in builders.values()]
+    if len(phases) > 1:
+        phases = list(map(in_order, phases))
+    phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
+    slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
+    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    return Problem(
+        name=spec.name,
+        sense=1 if spec.objective.sense == "minimize" else -1,
+        phases=tuple(phases),
+        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in spec.optimize.items()), *slack),
+        links=links,
+        mayer=mayer,
+    )
 
 
 def build_all(spec: Spec) -> list[Problem]:
     """The problem of every entry of the mesh schedule: the same one where they do not differ."""
+    meshes = len(next(iter(phase_specs(spec).values())).mesh)
     if spec.nonsmooth is None or len(spec.nonsmooth.widths) < 2:
-        return [build(spec)] * len(spec.mesh)
-    return [build(spec, mesh) for mesh in range(len(spec.mesh))]
+        return [build(spec)] * meshes
+    return [build(spec, mesh) for mesh in range(meshes)]
 
 
 @dataclass
 class _Builder:
+    """Builds one phase from the spec that it has by itself. taken: names that its slack parameters must not have."""
+
     spec: Spec
+    name: str
     mesh: int
+    taken: frozenset[str]
 
     def __post_init__(self) -> None:
         self.symbols = Symbols(self.spec)
-        self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh)
+        self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh, self.taken)
         self.added = frozenset(p.name for p in self.rewritten.parameters)
-
-    def problem(self) -> Problem:
-        statics = (Variable(name, p.unit, self.symbols.range(p)) for name, p in self.spec.optimize.items())
-        return Problem(
-            name=self.spec.name,
-            sense=1 if self.spec.objective.sense == "minimize" else -1,
-            phases=(self.phase(),),
-            parameters=(*statics, *self.rewritten.parameters),
-        )
 
     def phase(self) -> Phase:
         spec, symbols, rewritten = self.spec, self.symbols, self.rewritten
@@ -58,7 +77,7 @@ class _Builder:
         algebraic = tuple(map(self.variable, symbols.algebraic))
         written = self.written_constraints()
         phase = Phase(
-            name="main",
+            name=self.name,
             initial_time=times[0],
             final_time=times[1],
             states=states,

@@ -9,10 +9,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from .checks.phases import check_spec
 from .checks.repair import repair
-from .checks.values import NO_STATES, check_spec
+from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
+from .names.symbols import UNKNOWN
 from .schema import messages
+from .schema.declarations import Time
 from .schema.fields import STORED, TABLES
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
@@ -72,6 +75,7 @@ def load_text(
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
+    phased = bool(document.data.get("phases") or document.data.get("waypoints"))
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
     if document.data.get("mesh") is None:
         document.data["mesh"] = chosen  # so that an override finds its entries
@@ -79,14 +83,18 @@ def load_text(
     if data.get("mesh") is None:
         data["mesh"] = chosen
     wrong = _default_tolerance(data) if data["mesh"] is chosen else []
-    if data["mesh"] is chosen and data.get("refine") is None:
+    if data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
     locations = Locations(file, document.lines, given)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
+    if phased:
+        _shared_objective(data)
+    else:
+        early += _missing(data)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
-    if data.get("states") in (None, {}) and not data.get("model") and not nearest("states", data.keys() - {"states"}):
+    if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
         early.append(NO_STATES)
     context = {"methods": tuple(methods), TABLES: table_names(data)}
     unread = read_files(data, folder)
@@ -97,10 +105,54 @@ def load_text(
         rest = repair(data, error)
         found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = check_spec(spec, whole=not unread)
+    errors, warnings = check_spec(spec, whole=not early)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def _missing(data: dict[str, Any]) -> list[Finding]:
+    """The times that a file without phases does not give; something that no check says anything of takes their place.
+
+    With phases these may stand in the first and in the last of them.
+    """
+    if data.get("time") is None and not _meant("time", data, Spec.model_fields):
+        data["time"] = {"initial": UNKNOWN, "final": UNKNOWN}
+        return [Finding(("time",), "time is missing", f"add {messages.how_written(('time',))}")]
+    found = []
+    time = data.get("time")
+    if not isinstance(time, dict):
+        return []
+    for end in ("initial", "final"):
+        if time.get(end) is None and not _meant(end, time, Time.model_fields):
+            time[end] = UNKNOWN
+            remedy = f"add {messages.how_written(('time', end))}"
+            found.append(Finding(("time", end), f"{end} is missing", remedy))
+    return found
+
+
+def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
+    """Whether a key that is none is a misspelt one that is missing."""
+    return any(nearest(other, known) == key for other in given if other not in known)
+
+
+def _shared_objective(data: dict[str, Any]) -> None:
+    """An objective that stands in phases alone: the file's is of the same sense, without terms."""
+    phases = data.get("phases")
+    if data.get("objective") is not None or not isinstance(phases, dict):
+        return
+    for own in phases.values():
+        objective = own.get("objective") if isinstance(own, dict) else None
+        for sense in ("minimize", "maximize"):
+            if isinstance(objective, dict) and sense in objective:
+                data["objective"] = {sense: {}}
+                return
+
+
+def _meshes_of_phases(data: dict[str, Any]) -> bool:
+    """Whether a phase says what its mesh is."""
+    phases = data.get("phases")
+    return isinstance(phases, dict) and any(isinstance(own, dict) and own.get("mesh") for own in phases.values())
 
 
 def _default_tolerance(data: dict[str, Any]) -> list[Finding]:

@@ -1,10 +1,12 @@
 """The continuous optimal control problem: nothing discrete and nothing of YAML in it.
 
     minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
+               + M(the ends of all phases, p)
     subject to dx/dt = f(t, x, u, z, p),  0 = r(t, x, u, z, p)   at every time      (dynamics, residuals),
                lower <= g(t, x, u, p) <= upper               at every time      (path),
                lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
                lower <= integral of g(t, x, u, p) dt <= upper                   (integral),
+               lower <= l(the ends of all phases, p) <= upper                   (links),
                bounds on x, u, p, t0, tF, x(t0), x(tF).
 
 This is problem (1.1)-(1.7) of the paper with static parameters p and algebraic variables z added. There are as many
@@ -31,12 +33,15 @@ class Function(Protocol):
     """A scalar function of named values.
 
     Called with `values`, which maps the names t, the states, the inputs and the static parameters (or, at the
-    boundary, "t[initial]", "q1[final]", ...) to numbers, NumPy arrays of one shape, or Pyomo expressions, and with
-    the module that holds sin, cos, exp, ... for values of that kind: `numpy` or `pyomo.core`.
+    boundary, "t[initial]", "q1[final]", ..., and in links "boost.q1[final]") to numbers, NumPy arrays of one shape, or
+    Pyomo expressions, and with the module that holds sin, cos, exp, ... for values of that kind: `numpy` or
+    `pyomo.core`.
     """
 
     def __call__(self, values: Mapping[str, Numeric], functions: Any, /) -> Numeric: ...
 
+
+MAX_LINES = 5  # of what is shown of a problem
 
 TOLERATED_EXCESS = 1e-4
 """Of a curve over a bound, as of `Range.excess`: refinement and figures let less than this pass."""
@@ -214,18 +219,27 @@ class Phase:
 
 @dataclass(frozen=True)
 class Problem:
-    """The whole problem. `sense` is +1 to minimise and -1 to maximise; `parameters` are those to optimise."""
+    """The whole problem.
+
+    sense: +1 to minimise, -1 to maximise. parameters: those to optimise, the same in all phases. links: constraints on
+    the ends of several phases, whose functions ask for "boost.q1[final]". mayer: the part of the objective that does.
+    """
 
     name: str
     sense: int
     phases: tuple[Phase, ...]
     parameters: tuple[Variable, ...] = ()
+    links: tuple[Constraint, ...] = ()
+    mayer: Function | None = None
 
     def __repr__(self) -> str:
-        """A line for the problem and one for each phase."""
+        """A line for the problem and one for each phase, as far as they are few."""
         sense = "minimize" if self.sense > 0 else "maximize"
         parameters = f", parameters {_named(self.parameters)}" if self.parameters else ""
-        return "\n  ".join([f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]) + ">"
+        lines = [f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]
+        if len(lines) > MAX_LINES:
+            lines[MAX_LINES - 1 :] = [f"and {len(lines) - MAX_LINES + 1} phases more"]
+        return "\n  ".join(lines) + ">"
 
 
 def _named(variables: tuple[Variable, ...]) -> str:

@@ -15,6 +15,7 @@ Pontryagin    No other control within bounds and path constraints gives H a lowe
               best improved. What H is above the least, integrated, is within the claimed error of the objective.
 Starts        Solved anew from other starts, the problem has no better objective. An extremal may meet every condition
               above and be the lesser of two optima; where the file's reference means that one, it does not count.
+Phases        Links hold, and H is the same on both sides of a passage whose time is free.
 Stored        The arrays that people read are those of the solver's point, which meets the constraints at the points,
               and the error bar of the objective is small.
 Constraints   Bounds and path constraints, on a grid between the collocation points; less strictly within a jump of a
@@ -27,19 +28,26 @@ the solver used. Pontryagin's check and the error bar share the Lagrangian of `o
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ..transcription.solution.error import error_profile
 from ..transcription.solution.objective_error import ObjectiveError, objective_error
+from ..transcription.solution.trajectory import Trajectory
 from .audit.check import Check
+from .audit.junctions import junctions, links
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
 from .audit.starts import starts
 from .audit.stored import stored
 from .audit.trajectory import between_points, held_control, simulation
 from .file.reload import Reloaded, reload
+
+LINKED = 1e-6
+"""Relative to 1 + the bound: what a link may be missed by, as any constraint at the points."""
 
 ENGINE = 10.0
 """Times the engine's tolerance, relative to 1 + |J|: what a solved program may be off by."""
@@ -60,19 +68,15 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
     checks += stored(path, result)
     estimate = objective_error(result.transcription, result.nlp, result.outcome, result.trajectories)
     claimed = _claimed(result, estimate, tolerance)
+    checks += links(result, LINKED)
     for number, trajectory in enumerate(result.trajectories):
-        checks += simulation(trajectory, error_profile(trajectory), tolerance)
-        if hold is not None:
-            checks += held_control(trajectory, hold, tolerance)
-        checks += between_points(trajectory, tolerance)
-        if trajectory.costate is not None:
-            checks += optimality(result, number, claimed, tolerance)
-        else:
-            checks.append(Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates"))
+        checks += _told(result, trajectory, _along(result, number, claimed, tolerance, hold))
+    checks += junctions(result, claimed, tolerance)
     if estimate.applies:
         relative = estimate.bar / (1 + abs(result.objective))
         checks.append(Check("error bar of the objective, relative", relative, tolerance))
-    checks += pontryagin(result, claimed)
+    for trajectory, check in pontryagin(result, claimed):
+        checks += _told(result, trajectory, [check])
     checks += starts(result, estimate, tolerance)
     if (reference := result.spec.reference) and not result.overrides:
         difference = abs(result.objective - reference.objective)
@@ -80,6 +84,25 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
             Check("objective, difference from the reference", difference, reference.tolerance, reference.source)
         )
     return checks
+
+
+def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold: float | None) -> Iterator[Check]:
+    """The checks of one phase."""
+    trajectory = result.trajectories[number]
+    yield from simulation(trajectory, error_profile(trajectory), tolerance)
+    if hold is not None:
+        yield from held_control(trajectory, hold, tolerance)
+    yield from between_points(trajectory, tolerance)
+    if trajectory.costate is not None:
+        yield from optimality(result, number, claimed, tolerance)
+    else:
+        yield Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates")
+
+
+def _told(result: Reloaded, trajectory: Trajectory, checks: Iterable[Check]) -> Iterator[Check]:
+    """Checks of a phase, which say so where there are several."""
+    several = len(result.trajectories) > 1
+    return (replace(c, name=f"{trajectory.phase.name}: {c.name}") if several else c for c in checks)
 
 
 def _claimed(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> float:

@@ -22,9 +22,12 @@ OPTION_FILES = {  # what an `ipopt.opt` in the current folder might say
 }
 
 
-def trajopt(*arguments):
-    """A run inside this process: no start-up to pay. Anything but an exit with a code is a bug."""
-    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+def trajopt(*arguments, given: str = ""):
+    """A run inside this process: no start-up to pay. Anything but an exit with a code is a bug.
+
+    given: what stands on standard input.
+    """
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments], input=given)
     assert result.exception is None or isinstance(result.exception, SystemExit), repr(result.exception)
     return result
 

@@ -196,10 +196,12 @@ def _tex_bounds(row: str) -> Iterator[tuple[str, tuple[float, float]]]:
 
 
 def _points(text: str) -> list[int]:
+    """The indices of a list such as 0, 2, ..., 8."""
     points: list[int] = []
-    for item in text.split(", "):
+    items = iter(text.split(", "))
+    for item in items:
         if item == r"\dots":
-            points += range(2 * points[-1] - points[-2], 10**6, points[-1] - points[-2])
+            points += range(2 * points[-1] - points[-2], int(next(items)) + 1, points[-1] - points[-2])
         else:
-            points = [k for k in points if k < int(item)] + [int(item)]
+            points.append(int(item))
     return points

@@ -11,7 +11,7 @@ from trajopt.transcription.schemes.table import METHODS, find
 
 SLOW = {
     *("coulomb_friction", "free_flying_robot", "goddard", "goddard_speed_limit", "hang_glider", "min_time_climb"),
-    *("quadrotor", "reorientation"),
+    *("quadrotor", "reorientation", "delta_iii"),
 }
 """Shipped problems that take more than some 3 s: solved only where TRAJOPT_SLOW is set."""
 

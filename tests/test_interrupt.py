@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from command_line import TRAJOPT, started
+from command_line import solved_once, started, trajopt
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -72,8 +72,16 @@ def test_in_the_middle_of_a_solve(folder, number):
 NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
 
-@pytest.mark.parametrize("number", NUMBERS, ids=lambda number: number.name)
-@pytest.mark.parametrize("module", ["typer", "trajopt.cli.solving.solve", "inspect", "pyomo.core", "h5py"])
+LOADED = [  # each signal before and in a solve; the moments between with one of them
+    *(("typer", number) for number in NUMBERS),
+    ("trajopt.cli.solving.solve", signal.SIGTERM),
+    ("inspect", signal.SIGHUP),
+    *(("pyomo.core", number) for number in NUMBERS),
+    ("h5py", signal.SIGINT),
+]
+
+
+@pytest.mark.parametrize(("module", "number"), LOADED)
 def test_while_something_is_loaded(folder, module, number):
     """The signal comes as the module is imported."""
     script = (
@@ -158,13 +166,11 @@ def test_an_interrupted_result_is_a_guess():
     with iterating(*LONG) as run:
         run.send_signal(signal.SIGINT)
         finish(run)
-    again = subprocess.run([*TRAJOPT, "solve", "cartpole", "--guess", "cartpole.h5", "-q"], check=False)
-    assert again.returncode == 0
+    assert trajopt("solve", "cartpole", "--guess", "cartpole.h5", "-q").exit_code == 0
 
 
 def test_kill_leaves_the_older_result_and_nothing_else(folder):
-    subprocess.run([*TRAJOPT, "solve", "cartpole", "-q", "-o", "a.h5"], check=True)
-    before = Path("a.h5").read_bytes()
+    before = solved_once(Path("a.h5"), "cartpole").read_bytes()
     with iterating(*LONG, "-o", "a.h5") as run:
         os.kill(run.pid, signal.SIGKILL)
         run.wait(PATIENCE)
@@ -173,8 +179,7 @@ def test_kill_leaves_the_older_result_and_nothing_else(folder):
 
 
 def test_a_solution_is_kept_when_the_same_problem_is_interrupted(folder):
-    subprocess.run([*TRAJOPT, "solve", "cartpole", "-q", "-o", "a.h5"], check=True)
-    before = Path("a.h5").read_bytes()
+    before = solved_once(Path("a.h5"), "cartpole").read_bytes()
     for _ in range(2):  # the second one takes the place of the first
         with iterating(*LONG, "-o", "a.h5") as run:
             run.send_signal(signal.SIGTERM)

@@ -9,7 +9,7 @@ from named import SLOW, SOLVED
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.settings import schedule_of, settings_of
 from trajopt.transcription.solve import solve
 
 HS = "hermite-simpson"
@@ -37,7 +37,7 @@ REFERENCES = [  # problem, method, segments, objective as printed: half a unit o
 
 def run(name: str, *overrides: str):
     spec = load(shipped()[name], overrides)
-    solution = solve(build_all(spec), steps(spec.mesh), settings_of(spec))
+    solution = solve(build_all(spec), schedule_of(spec), settings_of(spec))
     assert solution.solved, solution.status
     return spec, solution
 

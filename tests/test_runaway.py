@@ -36,7 +36,7 @@ UNBOUNDED = {
 @pytest.mark.parametrize("case", UNBOUNDED)
 def test_what_runs_away_is_named(case):
     text, words = UNBOUNDED[case]
-    solution = failed(text)
+    solution = failed(text, max_iter=300)
     assert solution.trouble.startswith(words)
     assert "give it bounds, or check the sign of the objective" in solution.trouble
 

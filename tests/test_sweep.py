@@ -237,10 +237,10 @@ def test_solving_what_is_piped_in(folder):
     assert run.returncode == 0 and run.stdout.startswith("push: solved\n")
     assert [path.name for path in folder.iterdir()] == ["stdin.h5"]
     assert trajopt("show", "stdin.h5").exit_code == 0
-    wrong = process("solve", "-", input=TEXT.replace("rate: u", "rate: w"))
-    assert wrong.returncode == 2 and wrong.stderr.startswith("error: standard input:8: states.v.rate: ")
-    twice = process("solve", "-", "-", input=TEXT)
+    wrong = trajopt("solve", "-", given=TEXT.replace("rate: u", "rate: w"))
+    assert wrong.exit_code == 2 and wrong.stderr.startswith("error: standard input:8: states.v.rate: ")
+    twice = trajopt("solve", "-", "-", given=TEXT)
     assert twice.stderr == "error: standard input: it is given twice; write - once\n"
     empty = process("solve", "-", stdin=subprocess.DEVNULL)
     assert empty.returncode == 2 and empty.stderr.startswith("error: standard input: the file is empty; ")
-    assert process("check", "-", input=TEXT).stdout.startswith("standard input: no mistakes; ")
+    assert trajopt("check", "-", given=TEXT).stdout.startswith("standard input: no mistakes; ")

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from command_line import TRAJOPT, process, solved_once
+from command_line import TRAJOPT, process, solved_once, trajopt
 
 from trajopt.problems.catalog import shipped
 
@@ -74,11 +74,11 @@ def test_tables_on_a_terminal_keep_to_its_width_and_lose_nothing(columns):
     lines = plain(on_a_terminal("list", columns=columns))
     assert max(map(len, lines)) <= columns
     assert [line.split()[0] for line in lines if line[0] != " "] == ["name", *shipped()]
-    assert "".join(sorted("".join(lines))).split() == "".join(sorted(process("list").stdout.replace("\n", ""))).split()
+    assert "".join(sorted("".join(lines))).split() == "".join(sorted(trajopt("list").stdout.replace("\n", ""))).split()
 
 
 def test_a_table_too_wide_for_a_terminal_is_left_to_it():
-    assert "\n".join(plain(on_a_terminal("list", columns=40))) == process("list").stdout.rstrip("\n")
+    assert "\n".join(plain(on_a_terminal("list", columns=40))) == trajopt("list").stdout.rstrip("\n")
 
 
 def test_a_pipe_gets_whole_lines_whatever_the_environment_says():
@@ -91,5 +91,5 @@ def test_a_pipe_gets_whole_lines_whatever_the_environment_says():
 
 def test_names_are_no_markup():
     solved_once(Path("[red]a.h5"), "cartpole")
-    lines = process("compare", "[red]a.h5").stdout.splitlines()
+    lines = trajopt("compare", "[red]a.h5").stdout.splitlines()
     assert lines[1].startswith("[red]a.h5  hermite-simpson")

@@ -21,7 +21,7 @@ JOBS = [
     ("block_move_min_work", ("mesh=[{method: trapezoid, segments: 20}]",)),
     ("pendulum", ("solver.engine=newton",)),
 ]
-THREADS, ROUNDS = 4, 6
+THREADS, ROUNDS = 4, 4
 
 
 def solution_of(job: tuple[str, tuple[str, ...]]) -> np.ndarray:

@@ -1,5 +1,7 @@
 """`verify` reads what people read: arrays that were changed, controls that are not those of the solver's point."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
@@ -32,7 +34,6 @@ def test_an_array_that_was_changed_fails(where, result):
     with h5py.File(result, "r+") as file:
         file[f"phase/main/{where}"][...] *= 1.01
     assert failed(result) == {"stored arrays of main, from the solver's point, relative"}
-    assert trajopt("verify", result).exit_code == 1
 
 
 def test_times_that_were_changed_fail(result):
@@ -54,11 +55,13 @@ def test_a_point_that_was_changed_fails(result):
 def test_an_objective_that_was_changed_fails(result):
     with h5py.File(result, "r+") as file:
         file.attrs["objective"] *= 1.001
-    assert "stored objective, from that of the solver's point, relative" in failed(result)
+    run = trajopt("verify", result)
+    assert run.exit_code == 1
+    assert re.search("(?m)^FAIL .*stored objective, from that of the solver's point, relative", run.stdout), run.stdout
 
 
 def test_a_fine_mesh_passes(folder):
-    assert not failed(solved_once(folder / "fine.h5", "cartpole", "--segments", "400"))
+    assert not failed(solved_once(folder / "fine.h5", "cartpole", "--segments", "200"))
 
 
 UNSTABLE = """

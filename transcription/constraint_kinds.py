@@ -54,4 +54,6 @@ BOUNDARY = ConstraintKind(
     "boundary", "boundary constraint '{}'", "Boundary constraint {}", "boundary", Multiplier.NUMBER, timed=False)
 INTEGRAL = ConstraintKind(
     "integral", "integral constraint '{}'", "Integral constraint {}", "integral", Multiplier.NUMBER, timed=False)
+LINK = ConstraintKind(  # between the ends of phases
+    "link", "link '{}'", "Link {}", "", Multiplier.NUMBER, timed=False)
 # fmt: on

@@ -14,12 +14,16 @@ from .constraint_kinds import ConstraintKind
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
+BETWEEN = ""
+"""The phase of a constraint that belongs to several: a link."""
+
 
 @short_repr
 @dataclass(frozen=True)
 class Family:
     """The constraints of one Pyomo component, or of a part of one, told in the user's terms.
 
+    phase: its name, or BETWEEN.
     name: of the state or the constraint. span: (M, 2) normalised times that each constraint covers. weights: (M,)
     quadrature weights of the points of a constraint that holds over time, else 1. group, row: of the mesh and of the
     scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.

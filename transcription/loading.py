@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,7 +57,10 @@ def load_yaml(text: str, overrides: Sequence[str] = (), file: str = TEXT) -> Spe
 def _with_methods_checked(spec: Spec) -> Spec:
     from .schemes.table import check_schedule
 
-    if mistakes := check_schedule(spec.mesh):
+    mistakes = check_schedule(spec.mesh)
+    for name, own in spec.phases.items():
+        mistakes += [replace(m, where=f"phases.{name}.{m.where}") for m in check_schedule(own.mesh or ())]
+    if mistakes:
         raise SpecError(spec.locate(mistakes))
     return spec
 
@@ -89,7 +93,8 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
     Raises SpecError with all that cannot be transcribed, in any of the files.
     """
     from ..problems.build import build_all
-    from .settings import steps
+    from .continuation import way_of
+    from .settings import schedule_of
     from .solve import planned
 
     built: list[list[Problem]] = []
@@ -98,7 +103,8 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
         try:
             with located(spec):
                 built.append(build_all(spec))
-                planned(built[-1], steps(spec.mesh))
+                planned(built[-1], schedule_of(spec))
+            way_of(spec)
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:
@@ -112,4 +118,16 @@ def located(spec: Spec) -> Iterator[None]:
     try:
         yield
     except SpecError as error:
-        raise SpecError(spec.locate(error.mistakes)) from error
+        raise SpecError(spec.locate(_at_home(spec, mistake) for mistake in error.mistakes)) from error
+
+
+def _at_home(spec: Spec, mistake: Mistake) -> Mistake:
+    """A mistake of a phase, at phases.NAME and a path in it, where the file says what is wrong."""
+    from ..problems.phases.merge import home
+
+    first, _, rest = mistake.where.partition(".")
+    phase, _, path = rest.partition(".")
+    if first != "phases" or not path:
+        return mistake
+    steps = tuple(int(step) if step.isdigit() else step for step in path.split("."))
+    return replace(mistake, where=".".join(map(str, home(spec, phase, steps))))

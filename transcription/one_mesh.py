@@ -25,8 +25,8 @@ from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
+from .starts.warm import Solved, warm_start
 from .transcribe import compiled, transcribe, with_costates
-from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
 """Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
@@ -151,7 +151,7 @@ def _measured(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, tolerance: float, clock: list[float]
 ) -> Found:
     """The solution of an outcome; clock: as of `_seconds`, but for the last time."""
-    problem, mesh = transcription.problem, transcription.phases[0].mesh
+    problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
@@ -159,7 +159,7 @@ def _measured(
     bar = objective_error(transcription, nlp, outcome, phases)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
-    record = _record(mesh, tolerance, objective, bar, errors, nlp, outcome, seconds)
+    record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
         problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
     )
@@ -198,11 +198,15 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
         return found
     better, again = _measured(solved.transcription, nlp, outcome, tolerance, [began] * 3 + [time.perf_counter()])
-    return replace(better, meshes=(*solution.meshes[:-1], _added(solution.meshes[-1], better.meshes[-1]))), again
+    return replace(better, meshes=(*solution.meshes[:-1], added(solution.meshes[-1], better.meshes[-1]))), again
 
 
-def _added(first: MeshRecord, second: MeshRecord) -> MeshRecord:
-    """The record of two solves on one mesh: the second's solution, the work of both."""
+def added(first: MeshRecord, second: MeshRecord) -> MeshRecord:
+    """The record of two solves on one mesh: the second's solution, the work of both.
+
+    first: its work counts.
+    second: its work and what it led to.
+    """
     seconds = {part: first.seconds[part] + second.seconds[part] for part in first.seconds}
     return replace(second, iterations=first.iterations + second.iterations, seconds=seconds)
 
@@ -225,7 +229,7 @@ def _seconds(clock: Sequence[float], nlp: NonlinearProgram) -> dict[str, float]:
 
 
 def _record(
-    mesh: Mesh,
+    grids: tuple[Mesh, ...],
     tolerance: float,
     objective: float,
     bar: ObjectiveError,
@@ -235,7 +239,7 @@ def _record(
     seconds: Mapping[str, float],
 ) -> MeshRecord:
     return MeshRecord(
-        mesh=mesh,
+        grids=grids,
         tolerance=tolerance,
         status=outcome.status,
         objective=objective,

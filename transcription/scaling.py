@@ -13,7 +13,7 @@ as stated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +30,10 @@ LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
 @short_repr
 @dataclass(frozen=True)
 class Scaling:
-    """Factors that IPOPT multiplies with: objective, z (n,), g (m,); and the sizes they come from, by name."""
+    """Factors that IPOPT multiplies with: objective, z (n,), g (m,); and the sizes they come from, by name.
+
+    With several phases the name of a variable of one of them is phase.name.
+    """
 
     objective: float
     z: np.ndarray
@@ -46,26 +49,30 @@ def scale(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, gi
     z: initial values of the unknowns, shape (n,).
     given: sizes from the problem file, by name, in the unit of each variable; they go before the automatic ones.
     """
-    sizes = _sizes(transcription, z) | dict(given)
+    sizes = dict(_sizes(transcription, z, given))
     factors = np.ones(nlp.n)
     for layout in transcription.phases:
         for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
             for variable, places in zip(variables, rows, strict=True):
-                factors[places[places >= 0]] = 1 / sizes[variable.name]
+                factors[places[places >= 0]] = 1 / sizes[_told(transcription, layout.phase.name, variable.name)]
     for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
         factors[place] = 1 / sizes[parameter.name]
     return Scaling(_objective(nlp, z, factors), factors, _rows(transcription, nlp, z, factors, sizes), sizes)
 
 
-def _sizes(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
-    sizes = {}
+def _sizes(transcription: Transcription, z: np.ndarray, given: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     for layout in transcription.phases:
         for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
             for variable, places in zip(variables, rows, strict=True):
-                sizes[variable.name] = _size(variable, z[places[places >= 0]])
+                size = given.get(variable.name) or _size(variable, z[places[places >= 0]])
+                yield _told(transcription, layout.phase.name, variable.name), size
     for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
-        sizes[parameter.name] = _size(parameter, z[[place]])
-    return sizes
+        yield parameter.name, given.get(parameter.name) or _size(parameter, z[[place]])
+
+
+def _told(transcription: Transcription, phase: str, name: str) -> str:
+    """The name under which the size of a variable is kept."""
+    return name if len(transcription.phases) == 1 else f"{phase}.{name}"
 
 
 def _size(variable: Variable, values: np.ndarray) -> float:
@@ -90,7 +97,7 @@ def _rows(
     for family in transcription.families:
         rows = family.rows(nlp)
         if family.kind.sized:
-            g[rows] = 1 / sizes[family.name]
+            g[rows] = 1 / sizes[_told(transcription, family.phase, family.name)]
         else:
             g[rows] = 1 / np.clip(largest[rows].max(initial=1.0), 1.0, SIZES[1])
     return g

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..problems.phases.merge import phase_specs
 from ..problems.schema.solving import Engine, MeshEntry
 from ..problems.schema.spec import Spec
 from .engines.outcome import Status
@@ -37,8 +38,16 @@ class Step:
         return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
 
 
+def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:
+    """The mesh schedule of a problem file: for each of its entries one step for each phase.
+
+    Raises SpecError for an unknown method.
+    """
+    return list(zip(*(steps(own.mesh) for own in phase_specs(spec).values()), strict=True))
+
+
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
-    """The mesh schedule of a problem file. Raises SpecError for an unknown method."""
+    """The mesh schedule of one phase. Raises SpecError for an unknown method."""
     keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
     return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
 
@@ -60,7 +69,7 @@ class Settings:
     """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
     whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
     scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
-    seconds: time limit for all meshes, or None.
+    seconds: time limit for all meshes, or None. starts: how many are drawn beside the problem's own; seed: of these.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -70,6 +79,8 @@ class Settings:
     scaling: Mapping[str, float] | None = None
     coarse_start: bool = True
     seconds: float | None = None
+    starts: int = 0
+    seed: int = 0
 
 
 DEFAULT = Settings()
@@ -85,6 +96,8 @@ def settings_of(spec: Spec) -> Settings:
         scaling=_scaling(spec),
         coarse_start=spec.solver.coarse_start,
         seconds=spec.solver.seconds,
+        starts=spec.solver.starts,
+        seed=spec.solver.seed,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -38,15 +39,19 @@ Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
 
 
-def planned(problem: Problem | Sequence[Problem], schedule: Sequence[Step]) -> list[Planned]:
+Schedule = Sequence[Step | Sequence[Step]]
+"""What to solve on in turn: one step for all phases, or one for each."""
+
+
+def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Planned]:
     """The solves of a schedule.
 
     Raises SpecError with all that cannot be transcribed, at its entry of the schedule, before anything is solved.
     """
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
-    steps = [(p, [step.mesh() for _ in p.phases], step.tolerance) for p, step in zip(problems, schedule, strict=True)]
+    steps = [_plan(own, step) for own, step in zip(problems, schedule, strict=True)]
     mistakes = [
-        replace(mistake, where=mistake.where.replace("mesh", f"mesh.{number}", 1))
+        replace(mistake, where=re.sub(r"\bmesh\b", f"mesh.{number}", mistake.where, count=1))
         for number, (own, meshes, _) in enumerate(steps)
         for mistake in refused(own, meshes)
     ]
@@ -55,9 +60,14 @@ def planned(problem: Problem | Sequence[Problem], schedule: Sequence[Step]) -> l
     return steps
 
 
+def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
+    own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
+    return problem, [one.mesh() for one in own], min(one.tolerance for one in own)
+
+
 def solve(
     problem: Problem | Sequence[Problem],
-    schedule: Sequence[Step],
+    schedule: Schedule,
     settings: Settings = DEFAULT,
     *,
     guess: Sequence[Curves] | None = None,
@@ -67,7 +77,7 @@ def solve(
     """Solve a problem on each mesh of the schedule in turn, each from the solution on the one before.
 
     problem: one, or one for each mesh where they differ, as under a smoothing schedule.
-    schedule: the meshes to solve on, and the method of each; refined ones come after them.
+    schedule: the meshes to solve on, and the method of each, for all phases or for each; refined ones come after them.
     settings: the engine and its options, refinement, scaling, time limit.
     guess: one for each phase, over the problem's own; None for that.
     progress: called with the number of the solve and the engine's record of each iteration.
@@ -148,7 +158,7 @@ class _Loop:
         better, and the solution before stands."""
         assert self.last is not None
         found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None), watch)
-        segments = left[0].meshes[-1].mesh.segments
+        segments = left[0].meshes[-1].segments
         told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
         if found[0].status.usable and not left_basin(self.last[0], found[0]):
             self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
@@ -196,7 +206,7 @@ def _out_of_time(solution: Solution, limit: Limit) -> Solution:
 def _why_stopped(mesh: MeshRecord) -> str:
     """Why a mesh that was not solved has no solution."""
     what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
-    return f"the next mesh, of {mesh.mesh.segments} segments, {what}"
+    return f"the next mesh, of {mesh.segments} segments, {what}"
 
 
 def left_basin(before: Solution, after: Solution) -> bool:

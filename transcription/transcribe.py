@@ -7,8 +7,7 @@ imported when it is used.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from .collocation import model
 from .collocation.differences import refused_by_differences
 from .engines.outcome import Outcome
 from .layout import Transcription
+from .method_kind import MethodKind
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
@@ -26,20 +26,6 @@ from .solution.end_masses import without_end_masses
 from .solution.trajectory import Trajectory
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
-
-Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
-
-
-@dataclass(frozen=True)
-class MethodKind:
-    """refused: why a phase cannot be transcribed on its mesh. transcribe: as the function below, guess and templates
-    given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
-    """
-
-    refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
-    transcribe: Transcribe
-    compiled: Callable[[Any], NonlinearProgram]
-    costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
 
 
 def _shooting() -> MethodKind:
@@ -72,13 +58,39 @@ def kind_of(mesh: Mesh) -> MethodKind:
     return METHOD_KINDS[mesh.schemes[0].kind]()
 
 
+def _kind_of_all(problem: Problem, meshes: Sequence[Mesh]) -> MethodKind:
+    """How phases are transcribed together: by the kind that all have, or joined, where that makes no links."""
+    kinds = {mesh.schemes[0].kind for mesh in meshes}
+    linked = problem.links or problem.mayer
+    return _joined() if len(kinds) > 1 or (linked and kinds == {"shooting"}) else kind_of(meshes[0])
+
+
+def _joined() -> MethodKind:
+    from .joined.parts import JoinedTranscription, by_parts
+    from .joined.program import JoinedNLP
+
+    def transcribe_parts(
+        problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool
+    ) -> JoinedTranscription:
+        if not templates:
+            what = "phases by methods of different kinds, or by shooting, have no equations to write down together"
+            raise SpecError(Mistake("mesh", what, "export with one method, as --method hermite-simpson"))
+        return by_parts(kind_of, problem, meshes, guess)
+
+    def costates_of(transcription: Transcription, nlp: JoinedNLP, outcome: Outcome) -> list[np.ndarray | None]:
+        found = nlp.costates(outcome)
+        return [found[phase.name] for phase in transcription.problem.phases]
+
+    return MethodKind(_nothing_refused, transcribe_parts, JoinedNLP, costates_of)
+
+
 def transcribe(
     problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None, templates: bool = True
 ) -> Transcription:
     """Transcribe a problem on one mesh for each of its phases.
 
     problem: of one phase or more.
-    meshes: one for each phase, all of one kind of method.
+    meshes: one for each phase, of any method.
     guess: one for each phase, with the methods of `problems.problem.Guess`; by default the problem's own.
     templates: False gives an ordinary, expanded Pyomo model, for Pyomo's writers.
 
@@ -86,12 +98,17 @@ def transcribe(
     """
     if mistakes := list(refused(problem, meshes)):
         raise SpecError(mistakes)
-    return kind_of(meshes[0]).transcribe(problem, meshes, guess or [p.guess for p in problem.phases], templates)
+    start = guess or [phase.guess for phase in problem.phases]
+    return _kind_of_all(problem, meshes).transcribe(problem, meshes, start, templates)
+
+
+def _kind_of(transcription: Transcription) -> MethodKind:
+    return _kind_of_all(transcription.problem, [layout.mesh for layout in transcription.phases])
 
 
 def compiled(transcription: Transcription) -> NonlinearProgram:
     """The nonlinear program of a transcription."""
-    return kind_of(transcription.phases[0].mesh).compiled(transcription)
+    return _kind_of(transcription).compiled(transcription)
 
 
 def with_costates(
@@ -108,12 +125,12 @@ def with_costates(
     none.
     """
     outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome.y))
-    found = kind_of(transcription.phases[0].mesh).costates(transcription, nlp, outcome)
+    found = _kind_of(transcription).costates(transcription, nlp, outcome)
     return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, found, strict=True))
 
 
 def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
-    """Why a problem cannot be transcribed on these meshes."""
+    """Why a problem cannot be transcribed on these meshes: each at mesh, or with several at phases.NAME.mesh."""
     unknowns = sum(
         len(mesh.fractions) * (len(phase.states) + len(phase.inputs))
         for phase, mesh in zip(problem.phases, meshes, strict=True)
@@ -122,4 +139,5 @@ def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
         what = f"{unknowns} unknowns are more than the {MAX_UNKNOWNS} that trajopt takes"
         yield Mistake("mesh", what, "use fewer segments")
     for phase, mesh in zip(problem.phases, meshes, strict=True):
-        yield from kind_of(mesh).refused(problem, phase, mesh)
+        whose = "" if len(meshes) == 1 else f"phases.{phase.name}."
+        yield from (replace(m, where=whose + m.where) for m in kind_of(mesh).refused(problem, phase, mesh))

@@ -34,19 +34,24 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "remedy", summary["remedy"]
     yield "objective", f"{_objective(summary)}  ({summary['sense']}){_reference(summary)}"
     yield from (("optimum", text) for text in _optimum(summary))
-    yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"])
+    several = len(summary["phases"]) > 1
+    if several:
+        yield from (("phase", _phase_line(name, phase)) for name, phase in summary["phases"].items())
+    yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
     if summary["solved"]:
-        yield "bounds", _bounds(summary["overshoot"])
+        yield "bounds", _bounds(summary["overshoot"], several)
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
     yield from (("note", note) for note in summary["notes"])
+    yield from (("on the way", step) for step in summary["continuation"][:-1])
     if summary["stopped"]:
         yield "stopped", summary["stopped"]
     if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:
         yield "accuracy", summary["inaccurate"]
-    yield "mesh", f"{mesh['method']}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
+    methods = ", ".join(dict.fromkeys(phase["method"] for phase in summary["phases"].values()))
+    yield "mesh", f"{methods}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     solves = len(summary["meshes"])
     yield "iterations", f"{summary['iterations']}" + (f" on {solves} meshes" if solves > 1 else "")
     seconds = dict(summary["seconds"])
@@ -73,7 +78,14 @@ def _optimum(summary: dict[str, Any]) -> Iterator[str]:
         yield f"nearer to {with_bar(better, bar)[0]}: the objective with the estimate of its error added"
 
 
-def _bounds(overshoot: dict[str, Any] | None) -> str:
+def _phase_line(name: str, phase: dict[str, Any]) -> str:
+    """One phase: when it is, its mesh, its error."""
+    time = phase["time"]
+    when = f"t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}".rstrip()
+    return f"{name}: {when}; {phase['method']}, {phase['segments']} segments; error {_eta(phase['relative_error'])}"
+
+
+def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
     """How far bounds and path constraints are exceeded between the points, in their own unit."""
     if overshoot is None:
         return "none to hold"
@@ -82,7 +94,8 @@ def _bounds(overshoot: dict[str, Any] | None) -> str:
     name, unit = overshoot["name"], f" {overshoot['unit']}" if overshoot["unit"] else ""
     verb = "are" if name.startswith("bounds") else "is"
     share = f"{100 * overshoot['share']:.2g} % of its range"
-    return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at t = {overshoot['time']:.4g}"
+    when = f"t = {overshoot['time']:.4g}" + (f" of phase {overshoot['phase']}" if several else "")
+    return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at {when}"
 
 
 def _reference(summary: dict[str, Any]) -> str:
@@ -96,12 +109,13 @@ def _reference(summary: dict[str, Any]) -> str:
     return f"; differs from the reference {reference['objective']:.10g} by {reference['difference']:.2e}"
 
 
-def _error(error: dict[str, Any], relative: float | None) -> str:
+def _error(error: dict[str, Any], relative: float | None, several: bool) -> str:
     if error["max_eta"] is None:
         return "the dynamics have no finite value along the trajectory"
+    segment = f"segment {error['segment']}" + (f" of phase {error['phase']}" if several else "")
     return (
         f"relative {_eta(relative)}; max eta {error['max_eta']:.2e}, in {error['state']} "
-        f"on segment {error['segment']}, t = {error['start']:.4g} to {error['end']:.4g}"
+        f"on {segment}, t = {error['start']:.4g} to {error['end']:.4g}"
     )
 
 

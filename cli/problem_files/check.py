@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from ...transcription.loading import build_checked, load_all
 from ..errors import command
 from ..options import Files, Set, overrides
 from ..output.printing import one_line, plural
 from ..streams import piped_text
+
+if TYPE_CHECKING:  # `trajopt --help` imports this module; it needs no pydantic
+    from ...problems.schema.spec import Spec
 
 
 @command
@@ -22,5 +27,17 @@ def check(files: Files, *, set_: Set = None) -> None:
     for spec in specs:
         for warning in spec.warnings:
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
-        counts = ((len(spec.states), "state"), (len(spec.controls), "control"), (len(spec.mesh), "mesh"))
-        print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in counts))
+        print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in _counts(spec)))
+
+
+def _counts(spec: Spec) -> Iterator[tuple[int, str]]:
+    """How many there are of what: of states and controls the most that a phase has."""
+    from ...problems.names import variables
+    from ...problems.phases.merge import phase_specs
+
+    phases = list(phase_specs(spec).values())
+    if len(phases) > 1:
+        yield len(phases), "phase"
+    yield max(len(variables.states(phase)) for phase in phases), "state"
+    yield max(len(variables.controls(phase)) for phase in phases), "control"
+    yield len(phases[0].mesh), "mesh"

@@ -37,14 +37,13 @@ def explain(
     Example: trajopt explain cartpole --set parameters.u_max=2
     """
     from ...transcription.failure.relax import explain as run
-    from ...transcription.settings import steps
+    from ...transcription.settings import schedule_of
 
     specs = [spec for source in sources for spec in _specs(source, overrides(set_, method, segments))]
     holds = True
     for spec, problems in zip(specs, build_checked(specs), strict=True):
         with located(spec):
-            mesh = steps(spec.mesh)[0].mesh()
-            explanation = run(problems[0], [mesh] * len(problems[0].phases))
+            explanation = run(problems[0], [step.mesh() for step in schedule_of(spec)[0]])
         holds &= explanation.feasible
         if json_:
             print_json({"problem": spec.name, **_told(explanation)})

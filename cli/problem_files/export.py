@@ -33,10 +33,10 @@ def export(
 
     from ...problems.build import build
     from ...transcription.export.export import export as write
-    from ...transcription.settings import steps
+    from ...transcription.settings import schedule_of
 
     problem = build(spec)
     with located(spec):
-        paths = write(problem, [steps(spec.mesh)[-1].mesh()] * len(problem.phases), output, force)
+        paths = write(problem, [step.mesh() for step in schedule_of(spec)[-1]], output, force)
     for path in paths:
         print(path)

@@ -22,7 +22,7 @@ _ROUNDS = 5  # removing one thing may show that another is missing
 _SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
 _FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
 
-_WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack"}
+_WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
 _OBJECTIVE = {"minimize": {"integral": UNKNOWN}}
 
 
@@ -58,6 +58,9 @@ def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
     if path[0] in _WHOLE:
         data[path[0]] = _WHOLE[path[0]]
         return
+    if path[0] == "phases":
+        _replace_in_phase(data, path, extra)
+        return
     nodes: list[Any] = [data]
     while len(nodes) < len(path) and isinstance(inner := _below(nodes[-1], path[len(nodes) - 1]), dict | list):
         nodes.append(inner)
@@ -72,6 +75,20 @@ def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
         nodes[-1].pop(path[-1], None)
     else:
         nodes[-1][path[-1]] = harmless
+
+
+def _replace_in_phase(data: dict[str, Any], path: Path, extra: bool) -> None:
+    """The same below a phase; a phase that is no mapping becomes one that says nothing."""
+    phases = data["phases"] if isinstance(data["phases"], dict) else {}
+    data["phases"] = phases
+    if len(path) < 3 or not isinstance(phases.get(path[1]), dict):
+        if len(path) > 1:
+            phases[path[1]] = {}
+        return
+    if len(path) == 3:
+        phases[path[1]].pop(path[2], None)
+        return
+    _replace(phases[path[1]], path[2:], extra)
 
 
 def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:

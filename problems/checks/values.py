@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
-from ..expressions.lacking import ALIASES, LACKING
-from ..expressions.slips import MAX_NAME, RESERVED
+from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
+from ..phases.order import ALONE
 from ..problem import Range
 from ..schema.declarations import TimeEnd
 from ..schema.fields import Bounded
@@ -23,6 +22,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
+from .names import name_trouble, title_troubles
 from .tables import beyond_tables
 from .unused import unused
 
@@ -30,15 +30,13 @@ NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_TITLE = re.compile(r"\w[\w -]*")
 
+def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
+    """Every mistake and every warning that concerns more than one value of a phase.
 
-def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Finding]]:
-    """Every mistake and every warning that concerns more than one value.
-
-    whole: whether every value is the file's own; else some stand for mistaken ones, and nothing can be computed that
-    needs all of them.
+    spec: of the phase by itself, see `phases.merge`.
+    whole: as of `checks.phases.check_spec`.
+    phase: its name; of several, none needs an objective.
     """
     if not spec.model and not spec.states:
         return [NO_STATES], []
@@ -64,7 +62,8 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
     if whole and not checker.errors:
-        checker.objective()
+        if phase == ALONE:
+            checker.objective()
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
@@ -108,12 +107,8 @@ class _Checker:
 
     def name(self, path: Path, name: str, first: dict[str, str]) -> None:
         """One name; first: every name before it -> where it was declared."""
-        if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-            what = f'"{brief(name)}" cannot be a name'
-            self.error(path, what, f"use a letter, then letters, digits and _, at most {MAX_NAME}")
-        elif name in RESERVED or (path[0] == "tables" and name in (*LACKING, *ALIASES)):
-            remedy = f"choose another name, such as {name}1"
-            self.error(path, f'the name "{name}" has a meaning of its own in expressions', remedy)
+        if trouble := name_trouble(name, OF_TABLES if path[0] == "tables" else RESERVED):
+            self.error(path, *trouble)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
         first.setdefault(name, str(path[0]))
@@ -222,11 +217,7 @@ class _Checker:
         paths = [path for path, _ in constraints(self.spec)]
         paths += [("residuals", i) for i in range(len(self.spec.residuals))]
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
-            if not _TITLE.fullmatch(name) or len(name) > MAX_NAME:
-                what = f'"{brief(name)}" cannot be a name'
-                self.error((*path, "name"), what, "use letters, digits, _, - and space")
-            if name in given:
-                self.error((*path, "name"), f'another constraint is called "{name}" too', "give each its own name")
+            self.errors += title_troubles((*path, "name"), name, given)
             given.add(name)
 
     def static_guesses(self) -> None:
@@ -267,8 +258,12 @@ class _Checker:
                 self.inside(path, values, self.range(variable.path, variable.entry))
 
     def objective(self) -> None:
-        """The objective depends on something that is to be found."""
+        """There is an objective, and it depends on something that is to be found."""
         spec, terms = self.spec, self.spec.objective.terms
+        if terms.integral is None and terms.terminal is None:
+            remedy = "add integral: or terminal: with an expression"
+            self.error(("objective", spec.objective.sense), "the objective is empty", remedy)
+            return
         fixed = {f"t[{end}]" for end in ("initial", "final") if getattr(spec.time, end).value is not None}
         for state in self.symbols.states:
             ends = ("initial", "final")

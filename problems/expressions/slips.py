@@ -21,6 +21,9 @@ RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are impl
 # `time` heads the keyframes of a guess, so no state may be called that.
 RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
 
+MODULES = frozenset(["np", "numpy", "math", "cmath", "scipy", "sp", "sympy", "casadi", "ca", "jnp", "torch", "self"])
+"""What stands before a point in the expressions of other tools; here it is the name of a phase."""
+
 MAX_LENGTH = 4000  # characters
 MAX_NAME = 60
 MAX_PARENTHESES = 50  # parentheses inside parentheses
@@ -29,7 +32,7 @@ MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
 
 _TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)"
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*(?:\.[A-Za-z_]\w*\b(?!\s*\())?)"
     r"|(?P<operator>\*\*|//|[-+*/()\[\],.])|(?P<other>\S))",
     re.ASCII,
 )
@@ -145,7 +148,9 @@ def _check_token(text: str, token: Token, after: Token) -> None:
             if token.text in _BRANCHES
             else "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
         )
-    if len(token.text) > MAX_NAME:
+    if token.category == "name" and token.text.split(".")[0] in MODULES and "." in token.text:
+        _fail(text, token, token, *_no_module(token.text.split(".")[1]))
+    if max(map(len, token.text.split("."))) > MAX_NAME:
         _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
     if token.category == "number" and float(token.text) > MAX_NUMBER:
         _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
@@ -219,9 +224,13 @@ def _starts_operand(token: Token) -> bool:
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
     if before.category == "name" and after.category == "name":
-        remedy = f"write {after.text}" if after.text in smooth_names() else "write a plain name"
-        _fail(text, before, after, "expressions know no modules and no attributes", remedy)
+        _fail(text, before, after, *_no_module(after.text))
     _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
+
+
+def _no_module(name: str) -> tuple[str, str]:
+    remedy = f"write {name}" if name in smooth_names() or name == "pi" else "write a plain name"
+    return "expressions know no modules and no attributes", remedy
 
 
 def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> None:

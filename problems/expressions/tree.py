@@ -30,6 +30,7 @@ class Number(Node):
 class Name(Node):
     """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None.
 
+    In a link or in the objective of several phases the name is that of a phase, a point, and the name in it: boost.m.
     The rate of an implicit state is a value with a name of its own, such as "v[rate]".
     """
 
@@ -194,13 +195,23 @@ def _leaf(tree: ast.expr, span: _Span) -> Node | None:
             return Number(*span, float(value))
         case ast.Name(id="pi"):
             return Number(*span, math.pi)
-        case ast.Name(id=name):
-            return Name(*span, name, None)
-        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=end)) if end in ENDS:
-            return Name(*span, name, end)
+        case ast.Name() | ast.Attribute(value=ast.Name()):
+            return Name(*span, _spelled(tree), None)
+        case ast.Subscript(value=ast.Name() | ast.Attribute(value=ast.Name()) as name, slice=ast.Name(id=end)) if (
+            end in ENDS
+        ):
+            return Name(*span, _spelled(name), end)
         case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
             return Name(*span, rate_of(name), None)
     return None
+
+
+def _spelled(tree: ast.Name | ast.Attribute) -> str:
+    """A name, or that of a phase, a point, and a name in it."""
+    if isinstance(tree, ast.Name):
+        return tree.id
+    assert isinstance(tree.value, ast.Name)
+    return f"{tree.value.id}.{tree.attr}"
 
 
 def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | None:

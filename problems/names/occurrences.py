@@ -9,6 +9,7 @@ from typing import NamedTuple
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
 from ..schema.fields import Entry
+from ..schema.phases import LinkEntry
 from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -92,13 +93,24 @@ def residual_names(spec: Spec) -> list[str]:
     return _names(spec.residuals, "residual")
 
 
-def _names(entries: Sequence[ConstraintEntry | Residual], default: str) -> list[str]:
+def link_names(spec: Spec) -> list[str]:
+    """A name for each link that is an expression, all different."""
+    return _names([link for link in spec.links if link.expression is not None], "link")
+
+
+def boundary_names(spec: Spec) -> list[str]:
+    """A name for each boundary constraint of the top level, all different."""
+    return _names(spec.constraints.boundary, "constraint")
+
+
+def _names(entries: Sequence[ConstraintEntry | Residual | LinkEntry], default: str) -> list[str]:
     names: list[str] = []
     taken = {entry.name for entry in entries}
     for entry in entries:
         name = entry.name
         if not name:
-            stem = re.sub(r"\W+", "_", entry.expression.text).strip("_")[:MAX_STEM].strip("_") or default
+            text = entry.expression.text if entry.expression else ""
+            stem = re.sub(r"\W+", "_", text).strip("_")[:MAX_STEM].strip("_") or default
             candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
             name = next(c for c in candidates if c not in taken and c not in names)
         names.append(name)

@@ -194,6 +194,9 @@ class Symbols:
         what = f'unknown name "{name}"'
         if name.endswith("]"):
             return self._no_rate(name.partition("[")[0])
+        if "." in name:
+            remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
+            return f"{what}: expressions know no modules and no attributes", remedy
         if name == "e":
             return what, "write exp(...) for a power of e"
         if self._unknown_names >= MAX_SUGGESTIONS:

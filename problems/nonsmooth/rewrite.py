@@ -83,16 +83,17 @@ def occurrences(root: Node, symbols: Symbols) -> Iterator[Operation]:
             yield node
 
 
-def consistent(spec: Spec, symbols: Symbols, mesh: int = -1) -> Consistent:
+def consistent(spec: Spec, symbols: Symbols, mesh: int = -1, taken: frozenset[str] = frozenset()) -> Consistent:
     """The expressions that abs, min and max are taken out of, for an entry of the mesh schedule.
 
     spec, symbols: free of mistakes.
     mesh: index of the entry, which chooses one of several widths; -1 for the last.
+    taken: names that slack variables must not have, beside those of the file.
     """
     if spec.nonsmooth is None:
         return Consistent(definitions=symbols.definitions)
     if spec.nonsmooth.treatment == SLACK:
-        return _Slack(spec, symbols, spec.nonsmooth).run()
+        return _Slack(spec, symbols, spec.nonsmooth, taken).run()
     return _Smooth(spec, symbols, spec.nonsmooth, mesh).run()
 
 
@@ -147,13 +148,13 @@ class _Smooth:
 class _Slack(_Smooth):
     """Replaces every |y| by slack variables; `self.use` is the expression at hand, a definition being one as well."""
 
-    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth):
+    def __init__(self, spec: Spec, symbols: Symbols, how: Nonsmooth, taken: frozenset[str]):
         super().__init__(spec, symbols, how)
         trees = {name: expression.root for name, expression in symbols.definitions.items()}
         self.monotone = Monotone(_ranges(spec, symbols), symbols.constant_value, trees)
         self.nonsmooth = self._nonsmooth(trees)
         self.wanted = self._wanted()
-        self.taken = {*symbols.roles, *constraint_names(spec)}
+        self.taken = {*symbols.roles, *constraint_names(spec), *taken}
         self.use = Use((), Expression("", Number(0, 0, 0.0)), CONSTANT)
 
     def definition(self, name: str, expression: Expression) -> Expression:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from .fields import Entry, Formula, Shorthand, Text, mistake
 
@@ -47,12 +47,24 @@ class TimeEnd(EndValue):
     )
 
 
+OPEN_END = TimeEnd.model_construct()
+"""What `load` takes for a time that nothing is said of: with phases they say it, else it is a mistake."""
+
+
 class Time(Entry):
     """When the trajectory begins and ends."""
 
-    initial: TimeEnd = Field(description="initial time: number, expression of parameters, or {lower, upper, guess}")
-    final: TimeEnd = Field(description="final time: number, expression of parameters, or {lower, upper, guess}")
+    initial: TimeEnd = Field(
+        OPEN_END, description="initial time: number, expression of parameters, or {lower, upper, guess}"
+    )
+    final: TimeEnd = Field(
+        OPEN_END, description="final time: number, expression of parameters, or {lower, upper, guess}"
+    )
     unit: Text = Field("s", description="unit of time; default s")
+
+    @model_serializer(mode="wrap")
+    def _what_is_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if getattr(self, key) != OPEN_END}
 
 
 class Velocity(Entry):

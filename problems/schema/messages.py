@@ -39,6 +39,10 @@ EXAMPLES = {
     "path": "[{expression: u*v, upper: 3}]",
     "boundary": '[{expression: "x[final] - x[initial]", equals: 1}]',
     "integral": "[{expression: u*v, upper: 10}]",
+    "phases": "{boost: {time: {final: 10}}, coast: {controls: {u: {upper: 0}}}}",
+    "links": "[{from: boost, to: coast, except: [m]}]",
+    "waypoints": "[{x: 1, y: 2}, {x: 3}]",
+    "continuation": "{parameters.g: [0, 5]}",
     "guess": "linear, or {constants: {u: 1}}",
     "constants": "{u: 1}",
     "keyframes": "{x: [0, 0.5, 1]}",
@@ -102,7 +106,9 @@ def _other_key(path: Path) -> str:
 def _keys(path: Path) -> list[str]:
     """The keys that the mapping at this path may have."""
     owner = _field(path)
-    return list(owner.model_fields) if isinstance(owner, type) and issubclass(owner, BaseModel) else []
+    if not (isinstance(owner, type) and issubclass(owner, BaseModel)):
+        return []
+    return [field.alias or name for name, field in owner.model_fields.items()]
 
 
 def how_written(path: Path) -> str:

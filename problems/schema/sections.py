@@ -22,12 +22,6 @@ class Terms(Entry):
     integral: Formula | None = Field(None, description="integrand: an expression of t, states, controls, parameters")
     terminal: Formula | None = Field(None, description="function of the ends, such as t[final] or x[final]**2")
 
-    @model_validator(mode="after")
-    def _some_term(self) -> Self:
-        if self.integral is None and self.terminal is None:
-            raise mistake("the objective is empty", "add integral: or terminal: with an expression")
-        return self
-
 
 class Objective(Entry):
     """What is to be made small, or large."""

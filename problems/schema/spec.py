@@ -7,7 +7,7 @@ here is a mistake. A value that may be computed is a `Formula`: a number or an e
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 from pydantic.json_schema import GenerateJsonSchema
@@ -18,10 +18,30 @@ from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
-from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
+from .fields import MAX_TAGS, Entry, Formula, Number, Scaling, Tag, Text, mistake
+from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
-from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
+from .solving import (
+    DEFAULT_METHOD,
+    DEFAULT_SEGMENTS,
+    MAX_AXES,
+    MAX_MESHES,
+    MAX_STEPS,
+    MeshEntry,
+    Reference,
+    RefineEntry,
+    Solver,
+    Sweep,
+)
 from .tables import TableEntry
+
+
+def _alternatives(schema: dict[str, Any]) -> None:
+    """What a file needs: with phases, its states, times and objective may stand in these."""
+    needed = [key for key in schema["required"] if key != "objective"]
+    dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
+    one = {"allOf": [{"required": ["objective", "time"]}, dynamics]}
+    schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
 
 
 class Spec(Entry):
@@ -50,7 +70,7 @@ class Spec(Entry):
         description="name of a shipped model: it gives states, controls, algebraic variables, dynamics, constraints; "
         "the file its parameters, and bounds and ends where there are any",
     )
-    time: Time = Field(description="{initial, final, unit}")
+    time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")
     states: dict[str, StateEntry] = Field(
         {},
         max_length=MAX_NAMES,
@@ -69,6 +89,21 @@ class Spec(Entry):
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    phases: dict[str, PhaseEntry] = Field(
+        {},
+        max_length=MAX_PHASES,
+        description="in order, name -> what is of this phase alone: {time, states, constraints, objective, mesh, ...}",
+    )
+    links: list[LinkEntry] = Field(
+        [],
+        max_length=MAX_NAMES,
+        description="between phases; default: time and every state of one name go on in the next phase",
+    )
+    waypoints: list[Waypoint] = Field(
+        [],
+        max_length=MAX_PHASES - 1,
+        description="places to pass in order, [{x: 1, y: 2}]: short for phases that end there",
+    )
     nonsmooth: Nonsmooth | None = Field(
         None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
     )
@@ -89,12 +124,15 @@ class Spec(Entry):
         description="schedule: each entry starts from the solution before it; left out, the mesh is chosen and refined",
     )
     solver: Solver = Field(Solver(), description="engine, accept, coarse_start, options of the engine such as max_iter")
+    continuation: dict[str, Annotated[list[Number], Field(min_length=1, max_length=MAX_STEPS)]] = Field(
+        {},
+        max_length=MAX_AXES,
+        description="path of a number -> the values to go through on the way to the one in the file",
+    )
     reference: Reference | None = Field(None, description="known objective to compare with")
     sweep: Sweep | None = Field(None, description="what `trajopt sweep` varies: {over, zip, sample, seed, chain}")
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, json_schema_extra={"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=_alternatives)
 
     _text: str = PrivateAttr("")
     _locations: Locations = PrivateAttr(Locations("", {}))
@@ -140,6 +178,10 @@ class Spec(Entry):
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
         """Mistakes found later, whose `where` is a path such as solver.max_iter, with their line in the file."""
         return self._locations.locate(mistakes)
+
+    def locate_findings(self, findings: Iterable[Finding]) -> list[Mistake]:
+        """Mistakes found later, at paths in the file, with their line in it."""
+        return list(self._locations.mistakes(findings))
 
     @property
     def overrides(self) -> tuple[str, ...]:

@@ -33,7 +33,8 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
                 raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
             where = f"--set {shown.strip()}"
             new = value_of(value, where)
-            for path in list(_paths(document.data, shown.strip(), where)):
+            meant = shown.strip()
+            for path in [*_paths(document.data, meant, where), *_in_phases(document.data, meant, where)]:
                 place = _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
                 new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
@@ -101,6 +102,16 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
             _check_declared(found, step, where)
         found = [((*path, key), _below(node, key)) for path, node in found for key in _keys(node, step, path, where)]
     return (path for path, _ in found)
+
+
+def _in_phases(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
+    """What mesh.* means in phases that have meshes of their own: all meshes."""
+    if not shown.startswith("mesh.*."):
+        return
+    phases = data.get("phases")
+    for name, own in phases.items() if isinstance(phases, dict) else ():
+        if isinstance(own, dict) and isinstance(own.get("mesh"), list):
+            yield from (("phases", name, *path) for path in _paths(own, shown, where))
 
 
 def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:

@@ -21,7 +21,7 @@ ACTIVE = 1e-4  # of the largest multiplier of a constraint over time: what is sm
 IN_LAGRANGIAN = (PATH, RESIDUAL, INTEGRAL)  # of constraints in H and L
 
 
-class _Hamiltonian:
+class Hamiltonian:
     """H and L of one phase along the collocation points, sums of weight * function, for the minimised objective."""
 
     def __init__(self, result: Reloaded, number: int) -> None:
@@ -65,6 +65,10 @@ class _Hamiltonian:
         """H = w + lambda f, (B.7), and mu g for each integral constraint."""
         return sum(weight * function(values, np) for weight, function in self.terms)
 
+    def scale(self, values: dict) -> float:
+        """The largest term of H."""
+        return max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in self.terms)
+
     def lagrangian(self, values: dict) -> np.ndarray:
         """L = H + nu g + kappa r."""
         return self.hamiltonian(values) + sum(weight * function(values, np) for weight, function in self.constraints)
@@ -94,7 +98,7 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
     claimed: how far the objective may be from the optimum: what is worth less over the whole phase is nothing.
     tolerance: the largest value of each measure that passes, all of them relative.
     """
-    hamiltonian = _Hamiltonian(result, number)
+    hamiltonian = Hamiltonian(result, number)
     values = hamiltonian.values()
     t = values["t"]
     slopes = np.stack(
@@ -117,7 +121,7 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
 
 
 def _hamiltonian_drift(
-    hamiltonian: _Hamiltonian, values: dict, slopes: np.ndarray, claimed: float, tolerance: float
+    hamiltonian: Hamiltonian, values: dict, slopes: np.ndarray, claimed: float, tolerance: float
 ) -> Check:
     """Half the range of H(t) - H(t_0) - integral of dL/dt, which should be 0, relative to the largest term of H.
 
@@ -131,7 +135,7 @@ def _hamiltonian_drift(
     shares = point_shares(trajectory, slopes)
     counted = drift[shares == 1] if (shares == 1).any() else drift
     drift = np.abs(drift - (counted.max() + counted.min()) / 2)
-    scale = max(float(np.max(np.abs(weight * f(values, np)))) for weight, f in hamiltonian.terms)
+    scale = hamiltonian.scale(values)
     value = np.maximum(shares * drift - claimed / float(np.ptp(trajectory.t)), 0.0) / (scale or 1.0)
     k, worst = int(np.argmax(np.nan_to_num(value, nan=np.inf))), int(np.argmax(np.nan_to_num(drift, nan=np.inf)))
     where = at(t[k])
@@ -140,7 +144,7 @@ def _hamiltonian_drift(
     return Check("Hamiltonian along the trajectory, relative", float(value[k]), tolerance, where)
 
 
-def _lopsided(hamiltonian: _Hamiltonian) -> np.ndarray:
+def _lopsided(hamiltonian: Hamiltonian) -> np.ndarray:
     """How far from each point the control there acts on average, shape (M,), in time.
 
     The trapezoid rule has one control for both segments at a knot, which is optimal for the costate in the middle of
@@ -154,7 +158,7 @@ def _lopsided(hamiltonian: _Hamiltonian) -> np.ndarray:
     return found[hamiltonian.points]
 
 
-def _of_costates(hamiltonian: _Hamiltonian, values: dict, name: str, costates: np.ndarray) -> np.ndarray:
+def _of_costates(hamiltonian: Hamiltonian, values: dict, name: str, costates: np.ndarray) -> np.ndarray:
     """What dL/du may be off by, shape (M,), where each costate may be so by its row of (n_x, M)."""
     rates = [
         np.abs(hamiltonian.derivative(partial(_of_arrays, state.rate), values, name))
@@ -164,7 +168,7 @@ def _of_costates(hamiltonian: _Hamiltonian, values: dict, name: str, costates: n
     return total
 
 
-def _legendre(hamiltonian: _Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
+def _legendre(hamiltonian: Hamiltonian, values: dict, t: np.ndarray, tolerance: float) -> Check:
     """The smallest eigenvalue of d2L/du2 if negative, relative to the largest: over controls inside their bounds, and
     directions in which no constraint that acts changes."""
     inputs = hamiltonian.phase.inputs
@@ -212,7 +216,7 @@ def _natural_residual(gradient: np.ndarray, u: np.ndarray, bounds: Range) -> np.
     return np.minimum(np.abs(gradient), np.maximum(room, 0.0))
 
 
-def _scale(hamiltonian: _Hamiltonian, values: dict, name: str) -> float:
+def _scale(hamiltonian: Hamiltonian, values: dict, name: str) -> float:
     """What the zero of dL/du is the balance of: its largest term along the trajectory, or what the whole control makes
     of it, d2L/du2 times its size, if that is more: a single term that is a difference, as 2 (u - 1), is all rounding.
     """

@@ -17,6 +17,7 @@ import numpy as np
 from ...transcription.solution.hamiltonian import Constrained, Values, minimise
 from ...transcription.solution.lagrangian import PhaseLagrangian
 from ...transcription.solution.multipliers import Multipliers
+from ...transcription.solution.trajectory import Trajectory
 from ..file.reload import Reloaded
 from .candidates import box, candidates, feasible
 from .check import Check, at
@@ -28,8 +29,8 @@ APART = 0.1  # of the box: two candidates to improve that are nearer than this w
 
 
 @np.errstate(all="ignore")
-def pontryagin(result: Reloaded, claimed: float) -> Iterator[Check]:
-    """The check of each phase that has controls and costates.
+def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, Check]]:
+    """Each phase that has controls and costates, and its check.
 
     result: read back, with multipliers.
     claimed: how far its objective may be from the optimum.
@@ -37,7 +38,7 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[Check]:
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
         if trajectory.costate is not None and trajectory.phase.controls:
-            yield _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
+            yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 
 def _check(phase: PhaseLagrangian, claimed: float) -> Check:

@@ -8,7 +8,7 @@ nothing: it is no search of everything.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings
 from ...transcription.solution.objective_error import ObjectiveError
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.starts import other_starts
+from ...transcription.starts.other import other_starts
 from ..file.reload import Reloaded
 from .check import Check
 from .trajectory import between_points
@@ -63,16 +63,16 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
     """
     if not estimate.applies or not result.solved or not all(phase.controls for phase in result.problem.phases):
         return
-    best, mesh = _NOTHING, result.records[-1].mesh
+    best, meshes = _NOTHING, result.records[-1].grids
     for start in other_starts(result.problem, False):
         origin = Origin(start.guesses, None)
-        if coarse := _coarse(mesh):
+        if coarse := _coarse(meshes):
             near = _from(result, estimate, coarse, origin, start.words)
             if near is None or near.better <= near.claimed:
                 continue
             origin = near.origin
         # What is better on a few points may be so by what they do not see: the result's own mesh decides.
-        found = _from(result, estimate, mesh, origin, start.words)
+        found = _from(result, estimate, meshes, origin, start.words)
         if found and found.better - found.claimed > best.better - best.claimed and found.counts(tolerance):
             best = found
     where = f"{best.objective:.7g} from {best.words}" if best.words else ""
@@ -82,20 +82,22 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
     yield Check(NAME, best.better, best.claimed, where)
 
 
-def _coarse(mesh: Mesh) -> Mesh | None:
-    """A mesh of few points by the same method; None where the mesh is one."""
-    if len(mesh.fractions) <= POINTS:
+def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
+    """Meshes of few points by the same methods; None where they are such."""
+    if sum(len(mesh.fractions) for mesh in meshes) <= POINTS or all(mesh.segments == 1 for mesh in meshes):
         return None
-    scheme = min(mesh.schemes, key=lambda own: len(own.sigma))
-    return Mesh.of(scheme, max(POINTS // (len(scheme.sigma) - 1), 1)) if mesh.segments > 1 else None
+    schemes = [min(mesh.schemes, key=lambda own: len(own.sigma)) for mesh in meshes]
+    share = POINTS // len(meshes)
+    return [Mesh.of(scheme, max(share // (len(scheme.sigma) - 1), 1)) for scheme in schemes]
 
 
 @np.errstate(all="ignore")
-def _from(result: Reloaded, estimate: ObjectiveError, mesh: Mesh, origin: Origin, words: str) -> _Found | None:
-    """What a start leads to on a mesh; None for nothing that is known to be near an optimum."""
+def _from(
+    result: Reloaded, estimate: ObjectiveError, meshes: Sequence[Mesh], origin: Origin, words: str
+) -> _Found | None:
+    """What a start leads to on these meshes; None for nothing that is known to be near an optimum."""
     problem, settings = result.problem, Settings({"max_iter": MOST_ITERATIONS}, coarse_start=False)
-    meshes = [mesh] * len(problem.phases)
-    solution, solved = solve_mesh(problem, meshes, TOLERANCE, settings, origin, Watch(None, None, 0))
+    solution, solved = solve_mesh(problem, list(meshes), TOLERANCE, settings, origin, Watch(None, None, 0))
     if solution.status is not Status.SOLVED:
         return None
     other = solution.objective_error

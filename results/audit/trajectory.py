@@ -149,13 +149,8 @@ def simulate(trajectory: Trajectory) -> np.ndarray:
 
 def _integrated(trajectory: Trajectory, segment: int, x: np.ndarray) -> np.ndarray | None:
     """The state at the end of a segment, from x, shape (n_x,), at its start; None if the integration fails."""
-    which, (start, end) = np.array([segment]), trajectory.knots[segment : segment + 2]
-
-    def inputs(t: float) -> np.ndarray:
-        u: np.ndarray = trajectory.grid(which, np.array([(t - start) / (end - start)])).u[..., 0, 0]
-        return u
-
-    return _step(trajectory, (start, end), x, inputs)
+    (start, end), inputs = trajectory.knots[segment : segment + 2], trajectory.inputs_of(segment)
+    return _step(trajectory, (start, end), x, lambda t: inputs((t - start) / (end - start)))
 
 
 def _step(

@@ -63,5 +63,10 @@ def bar_of(attributes: Mapping[str, Any]) -> dict[str, float]:
     return {key: float(attributes.get(key, np.nan)) for key in ("objective_error", "objective_corrected")}
 
 
+def meshes_of(group: h5py.Group) -> list[h5py.Group]:
+    """The groups that hold the mesh of each phase: of one phase, the group /mesh/<k> itself."""
+    return list(group["phase"].values()) if "phase" in group else [group]
+
+
 def unit_of(dataset: h5py.Dataset) -> str:
     return str(dataset.attrs.get("units", ""))

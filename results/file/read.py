@@ -14,7 +14,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Phase, Problem, Range
 from ...problems.text import short_repr
-from .arrays import NO_BAR_YET, bar_of, unit_of
+from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .write import open_result
 
 CURVE_KINDS = ("state", "control", "algebraic", "costate")
@@ -74,17 +74,23 @@ class PhaseCurves:
 @short_repr
 @dataclass(frozen=True)
 class StoredMesh:
-    """One mesh of the schedule: edges (N + 1,) as fractions of the duration, and what the solve on it gave.
+    """One mesh of the schedule, and what the solve on it gave.
 
-    objective_error: the error bar of the objective, NaN where there is none.
+    edges: for each phase (N + 1,), as fractions of its duration. objective_error: the error bar of the objective, NaN
+    where there is none.
     """
 
     method: str
-    edges: np.ndarray
+    edges: tuple[np.ndarray, ...]
     unknowns: int
     objective: float
     objective_error: float
     max_eta: float
+
+    @property
+    def segments(self) -> int:
+        """Of all phases together."""
+        return sum(len(edges) - 1 for edges in self.edges)
 
 
 @short_repr
@@ -196,7 +202,7 @@ def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
         method=str(a["method"]),
-        edges=group["edges"][:],
+        edges=tuple(own["edges"][:] for own in meshes_of(group)),
         unknowns=int(a["unknowns"]),
         objective=float(a["objective"]),
         objective_error=bar_of(a)["objective_error"],

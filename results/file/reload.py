@@ -21,7 +21,7 @@ from ...transcription.schemes.table import find
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
 from ...transcription.transcribe import compiled, transcribe, with_costates
-from .arrays import bar_of
+from .arrays import bar_of, meshes_of
 from .write import open_result
 
 
@@ -46,7 +46,7 @@ class Reloaded:
 
 
 def _mesh(group: h5py.Group) -> Mesh:
-    """The mesh of a group /mesh/<k>; methods of one degree store none."""
+    """The mesh of one phase: of a group /mesh/<k>, or /mesh/<k>/phase/<name>; methods of one degree store none."""
     method, widths = group.attrs["method"], np.diff(group["edges"][:])
     if "substeps" in group.attrs:
         how = {"substeps": int(group.attrs["substeps"]), "control": group.attrs["control"]}
@@ -63,7 +63,7 @@ def _record(group: h5py.Group) -> MeshRecord:
     told, prefix = group.attrs, "seconds_"
     parts = {key.removeprefix(prefix): float(value) for key, value in told.items() if key.startswith(prefix)}
     return MeshRecord(
-        mesh=_mesh(group),
+        grids=tuple(map(_mesh, meshes_of(group))),
         status=Status[told["status"].upper()],
         tolerance=float(told["tolerance"]),
         objective=float(told["objective"]),
@@ -102,7 +102,7 @@ def reload(path: Path) -> Reloaded:
         outcome = _outcome(file, problem.sense)
         objective, solved = float(file.attrs["objective"]), bool(file.attrs["solved"])
         overrides = tuple(file["spec"].attrs["overrides"])
-    transcription = transcribe(problem, [records[-1].mesh] * len(problem.phases))
+    transcription = transcribe(problem, records[-1].grids)
     nlp = compiled(transcription)
     phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides, records)

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ...transcription.solution.solution import inaccurate
-from .arrays import NO_BAR_YET, bar_of, unit_of
+from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .write import open_result
 
 
@@ -51,11 +51,12 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "stopped": solver["stopped"],
         "notes": list(solver.get("notes", ())),  # results of older versions have none
         "relief": list(solver.get("relief", ())),
+        "continuation": list(solver.get("continuation", ())),
         "inaccurate": missed,
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "overshoot": _overshoot(file),
-        "phases": {name: _phase(group) for name, group in file["phase"].items()},
+        "phases": _phases(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
     }
@@ -109,11 +110,21 @@ def _overshoot(file: h5py.File) -> dict[str, Any] | None:
     return max(found, key=lambda own: own["share"], default=None)
 
 
+def _phases(file: h5py.File) -> dict[str, Any]:
+    """The phases by name, with method and number of segments of the last mesh."""
+    last = meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])
+    return {
+        name: {"method": mesh.attrs["method"], "segments": mesh.attrs["segments"], **_phase(group)}
+        for (name, group), mesh in zip(file["phase"].items(), last, strict=True)
+    }
+
+
 def _phase(group: h5py.Group) -> dict[str, Any]:
     points, time = group["points"], group["points/time"]
     eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
     return {
         "time": {"initial": time[0], "final": time[-1], "unit": unit_of(time)},
+        "relative_error": np.max(group["error/relative"][:]) if "relative" in group["error"] else np.nan,
         "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
         "controls": {name: _curve(values) for name, values in points["control"].items()},
         "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},

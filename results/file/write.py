@@ -16,7 +16,8 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
-    /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice;
+    /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
+                               several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,
                                objective_corrected (NaN where there is no bar), max_eta, relative_error,
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
@@ -25,7 +26,8 @@
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
-                               itself), scaling (sizes of the automatic one, JSON)
+                               itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
+                               the way, in words)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -55,6 +57,7 @@ from .arrays import array_of, group_of, scale_of, texts
 from .write_phase import write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
+    from ...transcription.schemes.mesh import Mesh
     from ...transcription.solution.solution import MeshRecord, Solution
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
@@ -180,7 +183,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
         meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
-            _write_mesh(group_of(meshes, str(number)), record)
+            _write_mesh(group_of(meshes, str(number)), solution, record)
         _write_solver(group_of(file, "solver"), solution)
         file.flush()
         image: bytes = file.id.get_file_image()
@@ -215,12 +218,11 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
     )
 
 
-def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
-    scale_of(group, "edges", record.mesh.edges, "segment edges as fractions of the phase's duration", "1")
+def _write_mesh(group: h5py.Group, solution: Solution, record: MeshRecord) -> None:
     group.attrs.update(
         {
             "method": record.mesh.schemes[0].name,
-            "segments": record.mesh.segments,
+            "segments": record.segments,
             "tolerance": record.tolerance,
             "status": record.status.name.lower(),
             "objective": record.objective,
@@ -234,11 +236,24 @@ def _write_mesh(group: h5py.Group, record: MeshRecord) -> None:
             **_seconds(record.seconds),
         }
     )
-    group.attrs.update(record.mesh.schemes[0].options)
-    if any(scheme.degree is not None for scheme in record.mesh.schemes):
-        segment = scale_of(group, "segment", np.arange(record.mesh.segments), "index of the segment, from 0")
-        degrees = [scheme.degree or 0 for scheme in record.mesh.schemes]
-        forms = [int(scheme.differential) for scheme in record.mesh.schemes]
+    if len(record.grids) == 1:
+        _write_grid(group, record.mesh)
+        return
+    phases = group_of(group, "phase")
+    for trajectory, mesh in zip(solution.trajectories, record.grids, strict=True):
+        own = group_of(phases, trajectory.phase.name)
+        own.attrs.update({"method": mesh.schemes[0].name, "segments": mesh.segments})
+        _write_grid(own, mesh)
+
+
+def _write_grid(group: h5py.Group, mesh: Mesh) -> None:
+    """The mesh of one phase; methods of one degree store none."""
+    scale_of(group, "edges", mesh.edges, "segment edges as fractions of the phase's duration", "1")
+    group.attrs.update(mesh.schemes[0].options)
+    if any(scheme.degree is not None for scheme in mesh.schemes):
+        segment = scale_of(group, "segment", np.arange(mesh.segments), "index of the segment, from 0")
+        degrees = [scheme.degree or 0 for scheme in mesh.schemes]
+        forms = [int(scheme.differential) for scheme in mesh.schemes]
         array_of(group, "degree", degrees, [segment], "degree of the method")
         array_of(group, "differential", forms, [segment], "whether the defects are in differential form")
 
@@ -263,6 +278,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["stopped"] = solution.stopped
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
+    group.attrs["continuation"] = texts(map(str, solution.continuation))
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

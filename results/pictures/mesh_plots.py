@@ -21,18 +21,18 @@ def draw_meshes(ax: Axes, result: Result) -> None:
 
     Times are those of the result: where the final time is free, earlier meshes had another one.
     """
-    knots = result.phases[0].knots
     for number, mesh in enumerate(result.meshes, start=1):
-        times = knots[0] + (knots[-1] - knots[0]) * mesh.edges
-        ax.hlines(number, times[0], times[-1], color=BLUE, linewidth=0.8)
-        ax.vlines(times, number - 0.3, number + 0.3, color=BLUE, linewidth=0.8)
-    names = [f"{k}: {mesh.method}, {len(mesh.edges) - 1}" for k, mesh in enumerate(result.meshes, start=1)]
+        for phase, edges in zip(result.phases, mesh.edges, strict=True):
+            times = phase.knots[0] + (phase.knots[-1] - phase.knots[0]) * edges
+            ax.hlines(number, times[0], times[-1], color=BLUE, linewidth=0.8)
+            ax.vlines(times, number - 0.3, number + 0.3, color=BLUE, linewidth=0.8)
+    names = [f"{k}: {mesh.method}, {mesh.segments}" for k, mesh in enumerate(result.meshes, start=1)]
     step = ceil(len(names) / 20)
     ax.set_yticks(range(1, len(names) + 1, step), names[::step])
     ax.set_ylim(len(names) + 0.6, 0.4)
     ax.grid(False)
     ax.set_title("segment edges of each mesh", loc="left")
-    set_times(ax, result.phases[:1])
+    set_times(ax, result.phases)
 
 
 def draw_history(

@@ -45,6 +45,7 @@ NOISE = 1e-9  # the same for a curve around zero, in its unit
 LEGEND = (*CURVE_KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
+SMALL_LETTER = 0.05  # inches, of the names of phases
 
 
 def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
@@ -63,13 +64,14 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
         _draw_points(ax, phase, curve, colour)
         draw_mesh_marks(ax, phase.knots)
-    extent = low, high = _extent([phase.curves[kind][name] for phase in phases])
-    far = _draw_bounds(ax, phases, name, bounds if kind != "costate" else {}, extent)
+    low, high = _extent([phase.curves[kind][name] for phase in phases])
+    far = [] if kind == "costate" else _draw_bounds(ax, phases, kind, name, bounds)
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
         middle, half = (low + high) / 2, max(abs(low + high) / 20, NOISE) if low or high else 1.0
         ax.set_ylim(middle - half, middle + half)
     width = width_of(ax)
-    set_title(ax, labelled(*_label(kind, name, phases[0]), width), far)
+    told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
+    set_title(ax, labelled(*_label(kind, name, phases[0]), width), told)
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, phases)
 
@@ -109,31 +111,50 @@ def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
-def _draw_bounds(
-    ax: Axes, phases: Sequence[PhaseCurves], name: str, bounds: Bounds, extent: tuple[float, float]
-) -> str:
-    """Dashed lines at the bounds near the curve; one so far off that it would flatten the curve is told in words."""
-    (low, high), far = extent, []
+def _draw_bounds(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> list[str]:
+    """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words."""
+    far = []
+    low, high = _extent([phase.curves[kind][name] for phase in phases])
     near = high - low or max(abs(low), 1.0) / 10
     for phase in phases:
         bound = bounds.get(phase.name, {}).get(name, Range())
-        for value, gap, arrow in ((bound.lower, low - bound.lower, "↓"), (bound.upper, bound.upper - high, "↑")):
+        least, most = _extent([phase.curves[kind][name]])
+        for value, gap, beyond, arrow in (
+            (bound.lower, low - bound.lower, bound.lower - least, "↓"),
+            (bound.upper, bound.upper - high, most - bound.upper, "↑"),
+        ):
             if gap <= near:
-                broken = gap < -TOLERATED_EXCESS * (1 + abs(value))
+                broken = beyond > TOLERATED_EXCESS * (1 + abs(value))
                 style: dict[str, Any] = {"color": GREY, "label": "bound"}
                 if broken:
                     style = {"color": VERMILION, "label": "violated bound"}
                 ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
             elif gap < inf:
                 far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
-    return "bound " + " ".join(dict.fromkeys(far)) if far else ""
+    return far
 
 
 def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
-    start, end = phases[0].knots[0], phases[-1].knots[-1]
+    """The time axis, from the first beginning to the last end; of several phases each second one is shaded and all are
+    named."""
+    start, end = min(phase.knots[0] for phase in phases), max(phase.knots[-1] for phase in phases)
     if end > start:
         ax.set_xlim(start - 0.015 * (end - start), end + 0.015 * (end - start))
     ax.set_xlabel(labelled("time", phases[0].time_unit))
+    if len(phases) > 1:
+        _name_phases(ax, phases, end - start)
+
+
+def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> None:
+    across = ax.get_xaxis_transform()
+    for number, phase in enumerate(phases):
+        first, last = phase.knots[[0, -1]]
+        if number % 2:
+            ax.axvspan(first, last, color=GREY, alpha=0.1, linewidth=0, zorder=0)
+        room = width_of(ax) * (last - first) / max(duration, 1e-300)
+        if len(phase.name) * SMALL_LETTER <= room:
+            style: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 5.5, "color": GREY}
+            ax.text((first + last) / 2, 1.0, plain(phase.name), transform=across, **style)
 
 
 def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
@@ -221,7 +242,7 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     lines = [
         plain(f"{result.problem}: {status}", letters),
         plain(f"objective {result.objective:.8g}, max η {mesh.max_eta:.2g}", letters),
-        plain(f"{mesh.method}, {len(mesh.edges) - 1} segments", letters),
+        plain(f"{mesh.method}, {mesh.segments} segments", letters),
     ]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(lines[1:])]

@@ -10,6 +10,7 @@ from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .good import GOOD, IMPLICIT
 from .methods import CONSISTENT, RANGES, SOLVERS
+from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
 from .values import KEYS, NUMBERS, STRANGE
@@ -18,6 +19,6 @@ __all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLE
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
-    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS),
+    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
 ]

@@ -33,9 +33,7 @@ KEYS = [
     ),
     edit("another version", "trajopt: 1", "trajopt: 2", "trajopt", "write trajopt: 1"),
     edit("a misspelt section", "controls:", "contols:", "contols", "did you mean controls?"),
-    edit(
-        "a section of the future", "solver: {max_iter: 100}", "phases: []", "phases", "the keys here are trajopt, name"
-    ),
+    edit("a section of the future", "solver: {max_iter: 100}", "fleet: []", "fleet", "the keys here are trajopt, name"),
     *(
         edit(f"{what} in tags", "parameters:", f"tags: {tags}\nparameters:", place, says)
         for what, tags, place, says in (

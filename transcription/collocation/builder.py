@@ -133,7 +133,7 @@ class PhaseBuilder(ABC):
     def _time(self, k: Any) -> Any:
         return self.block.t0 + self.duration * item(self.block.fraction, k)
 
-    def _ends(self) -> dict:
+    def ends(self) -> dict[str, Any]:
         """The values at both ends of the phase, by names such as "q1[final]"."""
         values = dict(self.p)
         for end, last in (("initial", False), ("final", True)):
@@ -155,13 +155,13 @@ class PhaseBuilder(ABC):
         for i, constraint in enumerate(self.phase.boundary):
 
             def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index
-                return _between(c.bounds, c.function(self._ends(), pyomo))
+                return between(c.bounds, c.function(self.ends(), pyomo))
 
             self.add(f"boundary{i}", None, rule, BOUNDARY, constraint.name, (0.0, 1.0))
         for i, constraint in enumerate(self.phase.integral):
 
             def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index
-                return _between(c.bounds, self.integral(c.function))
+                return between(c.bounds, self.integral(c.function))
 
             self.add(f"integral{i}", None, rule, INTEGRAL, constraint.name, (0.0, 1.0))
 
@@ -192,7 +192,7 @@ class PhaseBuilder(ABC):
         for place in self.places():
 
             def relation(k: Any, place: Place = place) -> Any:
-                return _between(constraint.bounds, constraint.function(place.values(k), pyomo))
+                return between(constraint.bounds, constraint.function(place.values(k), pyomo))
 
             self._at_place(component, place, relation, kind, constraint.name)
 
@@ -212,7 +212,7 @@ class PhaseBuilder(ABC):
                     values = self.end_values(last)
                     values["t"] = block.tF if last else block.t0
                     values.update({variable.name: 0.0 for variable in self.phase.inputs})  # g does not depend on them
-                    return _between(c.bounds, c.function(values, pyomo))
+                    return between(c.bounds, c.function(values, pyomo))
 
                 self.add(f"path{i}_{end}", None, rule, PATH_END, constraint.name, (s, s))
 
@@ -231,7 +231,7 @@ class PhaseBuilder(ABC):
                     continue
 
                 def relation(k: Any, place: Place = place, name: str = name, bounds: Range = bounds) -> Any:
-                    return _between(bounds, place.values(k)[name])
+                    return between(bounds, place.values(k)[name])
 
                 self._at_place(f"bound_{name}", place, relation, BOUND, name)
 
@@ -241,7 +241,7 @@ class PhaseBuilder(ABC):
         self.add(f"{component}{place.name}", place.over, rule, kind, name, (times, times), weights=place.quadrature)
 
     def cost(self) -> Any:
-        cost = self.phase.mayer(self._ends(), pyomo) if self.phase.mayer else 0.0
+        cost = self.phase.mayer(self.ends(), pyomo) if self.phase.mayer else 0.0
         return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
 
     def integral(self, w: Function) -> Any:
@@ -276,7 +276,8 @@ def _finite(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def _between(bounds: Range, body: Any) -> Any:
+def between(bounds: Range, body: Any) -> Any:
+    """The relation lower <= body <= upper, or body == value where both ends are one."""
     if bounds.fixed:
         return body == bounds.lower
     return (_finite(bounds.lower), body, _finite(bounds.upper))

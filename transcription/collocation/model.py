@@ -18,7 +18,7 @@ of a scheme with one point inside each, what a row depends on is marked in its J
     integral            [ *   *     *   *     *   *     *   *     *   *  |   *   *  |  *  ]
 
 In the differential form a defect has all states of its segment, but u of one or two of its points. With several phases,
-the band of each follows that of the one before.
+the band of each follows that of the one before; links, on the ends of several, are the last rows.
 """
 
 from __future__ import annotations
@@ -28,14 +28,17 @@ from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
-from pyomo.core import Block, ConcreteModel, Objective, Var
+import pyomo.core as pyomo
+from pyomo.core import Block, ConcreteModel, Constraint, Objective, Var
 
+from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
-from ..layout import Layout, Transcription, places
+from ..constraint_kinds import LINK
+from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..program.compiler import CompiledNLP
 from ..program.templates import templated
 from ..schemes.mesh import Mesh
-from .builder import PhaseBuilder, bound
+from .builder import PhaseBuilder, between, bound
 from .differences import DifferenceBuilder
 from .segments import CollocationBuilder
 
@@ -83,12 +86,41 @@ def _transcribe(
         for builder, start in zip(builders, guess, strict=True):
             builder.variables(start)
             builder.constraints()
-        model.cost = Objective(rule=lambda m: problem.sense * sum(builder.cost() for builder in builders))
+        links = _links(model, problem, builders)
+        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders))
     unknowns = _Unknowns()
     layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
     parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)
-    families = tuple(family for builder in builders for family in builder.families)
+    families = (*(family for builder in builders for family in builder.families), *links)
     return Transcription(problem, model, tuple(unknowns.variables), layouts, parameters, families)
+
+
+def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder]) -> list[Family]:
+    """Add the constraints between phases to a model whose phases are filled, and tell what they are."""
+    families = []
+    for number, link in enumerate(problem.links):
+
+        def rule(m: Any, *, c: PathConstraint = link) -> Any:  # Pyomo takes a positional one for an index
+            return between(c.bounds, c.function(_all_ends(builders), pyomo))
+
+        constraint = Constraint(rule=rule)
+        model.add_component(f"link{number}", constraint)
+        families.append(Family(constraint, BETWEEN, LINK, link.name, np.array([[0.0, 1.0]]), np.ones(1)))
+    return families
+
+
+def _all_ends(builders: Sequence[PhaseBuilder]) -> dict[str, Any]:
+    """The values at the ends of all phases, by names such as "boost.q1[final]", and the static parameters."""
+    values: dict[str, Any] = {}
+    for builder in builders:
+        values |= builder.p
+        values |= {f"{builder.phase.name}.{name}": value for name, value in builder.ends().items()}
+    return values
+
+
+def _cost(problem: Problem, builders: Sequence[PhaseBuilder]) -> Any:
+    cost = sum(builder.cost() for builder in builders)
+    return cost + problem.mayer(_all_ends(builders), pyomo) if problem.mayer else cost
 
 
 class _Unknowns:

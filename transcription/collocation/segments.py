@@ -110,7 +110,7 @@ class CollocationBuilder(PhaseBuilder):
         values = self.at(k, self.names, inputs=k in self.mesh.collocated)
         if k not in self.mesh.collocated:
             scheme, tau = self.mesh.schemes[-1 if last else 0], float(last)
-            weights = scheme.interpolant(np.array([tau])).U[0]
+            weights = scheme.control_basis(np.array([tau]))[0]
             points = self.mesh.first[-1 if last else 0] + np.array(scheme.collocated)
             for component, name in self.inputs:
                 values[name] = _dot(weights, [component[name, int(j)] for j in points])

@@ -21,6 +21,7 @@ import numpy as np
 from ..constraint_kinds import DEFECT
 from ..layout import Family, Transcription
 from ..schemes.mesh import Mesh
+from ..solution.violation import of_phase
 from .formula import AT_MOST, EQUAL, Formula, Piece, Printer, lines, name, number, related
 
 HEAD = r"""\documentclass{article}
@@ -99,7 +100,7 @@ class _Document:
         self.section("Constraints")
         meshes = {layout.phase.name: layout.mesh for layout in self.transcription.phases}
         for family in self.transcription.families:
-            labels = _labels(family, meshes[family.phase])
+            labels = _labels(family, meshes.get(family.phase))
             for label, constraint in zip(labels, list(family.component.values())[family.part], strict=True):
                 self.stream.write(f"{label}\n")
                 self.formulas([self.formula_of(constraint.expr)])
@@ -135,14 +136,12 @@ def _name(symbol: str, subscripts: tuple[str, ...], k: int | str | None) -> Form
     return name(symbol, *subscripts) if k is None else name(symbol, *subscripts, str(k))
 
 
-def _labels(family: Family, mesh: Mesh) -> Iterator[str]:
-    """What each constraint of a family is, and where it holds."""
-    what = family.kind.heading.format(escaped(family.name))
-    if family.phase != "main":
-        what += f" of phase {escaped(family.phase)}"
-    rows = mesh.groups[family.group].scheme.rows if family.kind is DEFECT else ()
+def _labels(family: Family, mesh: Mesh | None) -> Iterator[str]:
+    """What each constraint of a family is, and where it holds; a link belongs to no mesh."""
+    what = family.kind.heading.format(escaped(family.name)) + escaped(of_phase(family.phase))
+    rows = mesh.groups[family.group].scheme.rows if mesh and family.kind is DEFECT else ()
     for start, end in family.span:
-        if not family.kind.timed:
+        if not family.kind.timed or mesh is None:
             yield what
         elif start == end:
             yield f"{what}, point {np.searchsorted(mesh.fractions, start)}"

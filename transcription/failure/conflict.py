@@ -88,8 +88,8 @@ def _constraints(
         s = np.concatenate(acting).ravel()
         if len(s):
             phase, kind, _ = key
-            times = times_at(phases[phase], np.array([s.min(), s.max()]))
-            yield constraint_named(*key) + (when_between(*times) if kind.timed else "")
+            when = when_between(*times_at(phases[phase], np.array([s.min(), s.max()]))) if kind.timed else ""
+            yield constraint_named(*key) + when
 
 
 def _bounds(layout: Layout, outcome: Outcome, phases: Mapping[str, Trajectory], limit: float) -> Iterator[str]:

@@ -28,7 +28,7 @@ def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarra
     phases = {trajectory.phase.name: trajectory for trajectory in trajectories(transcription, z)}
     worst: dict[tuple[str, ConstraintKind, str], Violation] = {}
     for family in transcription.families:
-        violation = _worst(family, excess[family.rows(nlp)], phases[family.phase])
+        violation = _worst(family, excess[family.rows(nlp)], phases.get(family.phase))
         key = family.phase, family.kind, family.name
         worst[key] = max(worst.get(key, violation), violation, key=lambda v: v.amount)
     large = max((v.amount for v in worst.values()), default=0.0) * TELLING
@@ -36,9 +36,9 @@ def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarra
     return sorted(telling, key=lambda v: -v.amount)[:LISTED]
 
 
-def _worst(family: Family, excess: np.ndarray, trajectory: Trajectory) -> Violation:
+def _worst(family: Family, excess: np.ndarray, trajectory: Trajectory | None) -> Violation:
     i = int(np.argmax(excess))
-    start, end = times_at(trajectory, family.span[i])
+    start, end = times_at(trajectory, family.span[i]) if trajectory else (np.nan, np.nan)
     return Violation(family.phase, family.kind, family.name, start, end, float(excess[i]))
 
 

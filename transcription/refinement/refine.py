@@ -6,7 +6,7 @@ part of an integral (of the objective, or constrained), relative to 1 + the inte
 tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
 than TOLERATED_EXCESS, or that smears a jump of a control: the square of the jump, relative to the control's range,
 times its share of the phase is more than the tolerance (dynamics that are linear in the control show no eta there; the
-objective suffers in the second order of the width),
+objective suffers in the second order of the width; a jump that H does not depend on is worth nothing and is passed by),
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
@@ -37,6 +37,7 @@ from ..schemes.segment import Segment
 from ..schemes.table import METHODS
 from ..solution.error import ErrorProfile
 from ..solution.trajectory import Trajectory
+from ..solution.violation import of_phase
 from .switches import Switches
 
 MAX_RAISED_DEGREE = 16  # beyond this, splitting is the cheaper way to the same error
@@ -50,6 +51,7 @@ SLIVER = 0.02  # of a segment, at least, is cut off at a kink
 STANDS_OUT = 10.0  # times the error of both neighbours: they are good enough to say where a kink between them is
 TARGET = 0.5  # of the tolerance: what the parts of a segment aim at, as their error is not quite what is foreseen
 MOST_PARTS = 4  # of a segment: its error tells no more of meshes much finer
+WORTHLESS = 0.1  # of the tolerance: what a jump may be worth in the objective and not count
 SAMPLES = 16  # of the density of parts on each segment
 
 Piece = tuple[float, Segment]
@@ -121,7 +123,8 @@ class _Segments:
         inexact = np.where(np.isfinite(self.error.relative), self.error.relative / self.tolerance, np.inf)
         for s, jump in self.switches.jumps.items():
             smeared = (jump.height * self.trajectory.mesh.widths[s]) ** 2
-            inexact[s] = max(inexact[s], smeared / self.tolerance)
+            if smeared > inexact[s] * self.tolerance and self.switches.worth(s) > WORTHLESS * self.tolerance:
+                inexact[s] = smeared / self.tolerance
         return inexact
 
     @cached_property
@@ -213,7 +216,8 @@ class _Segments:
     def told(self, s: int) -> str:
         """Segment s in words: where it is, and why it is not good enough."""
         knots, error = self.trajectory.knots, self.error
-        text = f"segment {s + 1}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
+        where = of_phase(self.trajectory.phase.name)
+        text = f"segment {s + 1}{where}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
         if self.excess[s] * self.trajectory.mesh.widths[s] > TOLERATED_EXCESS:
             name = max(error.excess, key=lambda name: error.excess[name][s])
             text += f", {name} exceeded by {self.excess[s]:.1e}"

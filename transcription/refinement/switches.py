@@ -71,6 +71,27 @@ class Switches:
         """A jump on segment s."""
         return self.jumps.get(s)
 
+    def worth(self, s: int) -> float:
+        """What it is worth, in the objective, that a control is where it is on segment s, within its jump there.
+
+        The largest |H(u before) - H(u after)| on the segment, times its duration: nothing, where the problem does not
+        determine the control. Infinite without costates.
+        """
+        tr, u = self.trajectory, self.u
+        sample = tr.grid(np.array([s]), np.array([0.0, 0.5, 1.0]))
+        if sample.costate is None:
+            return float("inf")
+        t, x, costate = (a.reshape(*a.shape[:-2], -1) for a in (sample.t, sample.x, sample.costate))
+        values = []
+        for side in (u[:, max(s - 1, 0), -1], u[:, min(s + 1, len(tr.h) - 1), 0]):
+            own = sample.u.reshape(len(sample.u), -1).copy()
+            own[: len(u)] = side[:, None]
+            H = (costate * tr.phase.dynamics(t, x, own, tr.parameters)).sum(axis=0)
+            if tr.phase.lagrange:
+                H = H + tr.phase.lagrange(tr.phase.arguments(t, x, own, tr.parameters), np)
+            values.append(H)
+        return float(np.abs(values[0] - values[1]).max() * tr.h[s])
+
     def _is_steep(self, u: np.ndarray, height: np.ndarray) -> np.ndarray:
         """Whether a change by this height (N,) over each segment is steeper than what is around it, shape (N,)."""
         steps = np.abs(np.diff(u))

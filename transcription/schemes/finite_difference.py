@@ -49,7 +49,10 @@ class FiniteDifference:
         F = np.stack([t * (1 - t) ** 2, t**2 * (t - 1)], axis=1)
         dX = np.stack([6 * t * (t - 1), 6 * t * (1 - t)], axis=1)
         dF = np.stack([(1 - t) * (1 - 3 * t), t * (3 * t - 2)], axis=1)
-        return Interpolant(X, F, dX, dF, lagrange_basis(self.c, t))
+        return Interpolant(X, F, dX, dF, self.control_basis(t))
+
+    def control_basis(self, tau: np.ndarray) -> np.ndarray:
+        return lagrange_basis(self.c, tau)
 
     def costate_basis(self, tau: np.ndarray) -> np.ndarray:
         raise TypeError("finite differences have no costates")

@@ -6,7 +6,7 @@ Berrut and Trefethen, SIAM Review 46(3), 2004.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -21,11 +21,18 @@ def barycentric_weights(c: np.ndarray) -> np.ndarray:
     return signs * np.exp(logs - logs.max())
 
 
+@lru_cache(maxsize=256)
+def _weights(nodes: bytes) -> np.ndarray:
+    """The weights of nodes that come again and again: those of a scheme, at every evaluation between its points."""
+    return barycentric_weights(np.frombuffer(nodes))
+
+
 def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """The Lagrange polynomials of the nodes c, shape (n,), at tau, shape (m,): shape (m, n) (paper, (D.3))."""
+    c = np.asarray(c, float)
     distance = np.asarray(tau, float)[:, None] - c[None, :]
     at_node = distance == 0
-    terms = barycentric_weights(c) / np.where(at_node, 1.0, distance)
+    terms = _weights(c.tobytes()) / np.where(at_node, 1.0, distance)
     terms = np.where(at_node.any(axis=1, keepdims=True), at_node, terms)
     return terms / terms.sum(axis=1, keepdims=True)
 

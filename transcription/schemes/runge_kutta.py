@@ -240,17 +240,27 @@ class Shooting:
         theta = tau * self.substeps - i
         x_at, slope_at = self.x_nodes, np.array(_SLOPES[self.control])
         (X, F), (dX, dF) = _hermite(x_at, slope_at, theta)
-        full = [np.zeros((len(tau), len(nodes))) for nodes in (self.sigma, self.c, self.sigma, self.c, self.c)]
+        full = [np.zeros((len(tau), len(nodes))) for nodes in (self.sigma, self.c, self.sigma, self.c)]
         points = i[:, None] * self.stride + np.arange(len(x_at))
         slopes = self.substep_nodes[i][:, np.isin(self.u_nodes, slope_at)]
         for array, columns, values in zip(
             full,
-            (points, slopes, points, slopes, self.substep_nodes[i]),
-            (X, F / self.substeps, dX * self.substeps, dF, lagrange_basis(self.u_nodes, theta)),
+            (points, slopes, points, slopes),
+            (X, F / self.substeps, dX * self.substeps, dF),
             strict=True,
         ):
             array[rows, columns] = values
-        return Interpolant(*full)
+        X, F, dX, dF = full
+        return Interpolant(X, F, dX, dF, self.control_basis(tau))
+
+    def control_basis(self, tau: np.ndarray) -> np.ndarray:
+        """Weights (m, n) of the controls at the nodes of the substep that tau, shape (m,), is in."""
+        tau = np.asarray(tau, float)
+        i = self._substep(tau)
+        basis = np.zeros((len(tau), len(self.c)))
+        columns = self.substep_nodes[i]
+        basis[np.arange(len(tau))[:, None], columns] = lagrange_basis(self.u_nodes, tau * self.substeps - i)
+        return basis
 
     def costate_basis(self, tau: np.ndarray) -> np.ndarray:
         """Weights (m, d + 1) of the costates at the ends of up to three neighbouring substeps, for those at tau."""

@@ -135,10 +135,14 @@ class Scheme:
 
     def interpolant(self, tau: np.ndarray) -> Interpolant:
         """The polynomial with the collocated slopes, at tau, shape (m,)."""
-        basis = lagrange_basis(self.c, tau)
+        basis = self.control_basis(tau)
         X = np.zeros((len(tau), len(self.sigma)))
         X[:, 0] = 1
         return Interpolant(X, integrated_basis(self.c, tau), np.zeros_like(X), basis, basis)
+
+    def control_basis(self, tau: np.ndarray) -> np.ndarray:
+        """The Lagrange polynomials of the collocation nodes at tau, shape (m,): shape (m, n)."""
+        return lagrange_basis(self.c, tau)
 
     def costate_basis(self, tau: np.ndarray) -> np.ndarray:
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1): one polynomial."""

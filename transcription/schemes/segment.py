@@ -97,6 +97,10 @@ class Segment(Protocol):
         """States and controls between the nodes, at tau, shape (m,)."""
         ...
 
+    def control_basis(self, tau: np.ndarray) -> np.ndarray:
+        """U of the interpolant alone, at tau, shape (m,): shape (m, n)."""
+        ...
+
     def costate_basis(self, tau: np.ndarray) -> np.ndarray:
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1)."""
         ...

@@ -8,40 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..layout import Layout
-from ..program.contract import cross_factor
+from ..program.direct import Direct
 from ..program.pointwise import PointFunctions
 from ..schemes.segment import Group
 from .rows import PhaseRows, path_constraints
 from .simulation import STEP, Segments
-
-
-class _Direct:
-    """Functions of unknowns as they are: at the final point, or at both ends of a phase.
-
-    columns: where each argument stands in z, -1 for what is fixed; `fixed` has its value then. rows: of each function.
-    """
-
-    def __init__(self, functions: PointFunctions, columns: np.ndarray, fixed: np.ndarray, rows: np.ndarray) -> None:
-        self.functions, self.columns, self.fixed, self.rows = functions, columns, fixed, rows
-        free = columns >= 0
-        code = functions.code
-        o, j = code.jacobian_at.T if code else np.zeros((2, 0), int)
-        a, b = code.hessian_at.T if code else np.zeros((2, 0), int)
-        self.o, self.j = o[free[j]], j[free[j]]
-        self.a, self.b = (i[free[a] & free[b]] for i in (a, b))
-        self.factor = cross_factor(columns[self.a], columns[self.b], self.a != self.b)
-
-    def move(self, z: np.ndarray) -> None:
-        self.arguments = np.where(self.columns >= 0, z[self.columns], self.fixed)
-
-    def values(self) -> np.ndarray:
-        return self.functions.values(self.arguments)
-
-    def jacobian(self) -> np.ndarray:
-        return self.functions.jacobian(self.arguments)[self.o, self.j]
-
-    def hessian(self, weights: np.ndarray) -> np.ndarray:
-        return self.functions.hessian(self.arguments, weights)[self.a, self.b] * self.factor
 
 
 class PhaseProgram:
@@ -79,14 +50,14 @@ class PhaseProgram:
         fixed = np.concatenate([np.zeros(self.n), self.t_fixed, np.zeros(len(parameters) + u.shape[1])])
         return np.hstack([x, border, u]), fixed
 
-    def _final(self, path: PointFunctions, parameters: np.ndarray, rows: np.ndarray) -> _Direct:
+    def _final(self, path: PointFunctions, parameters: np.ndarray, rows: np.ndarray) -> Direct:
         """The path constraints at the final point, whose state is an unknown."""
         layout, last = self.layout, self.layout.mesh.collocated[-1]
         columns = np.concatenate([layout.x[:, -1], layout.u[:, last], parameters, layout.t[1:], [-1]])
         fixed = np.concatenate([np.zeros(len(columns) - 2), self.t_fixed[1:], [0.0]])
-        return _Direct(path, columns, fixed, rows)
+        return Direct(path, columns, fixed, rows)
 
-    def _ends(self, parameters: np.ndarray, names: list[str], seconds: dict, rows: np.ndarray) -> _Direct:
+    def _ends(self, parameters: np.ndarray, names: list[str], seconds: dict, rows: np.ndarray) -> Direct:
         """The boundary constraints, the terminal objective last; inputs at the ends are those of the nodes nearest."""
         layout, phase, nodes = self.layout, self.phase, self.layout.mesh.collocated
         variables: list[tuple[str, int, float]] = []
@@ -101,7 +72,7 @@ class PhaseProgram:
         functions = [*(c.function for c in phase.boundary), *([phase.mayer] if phase.mayer else [])]
         compiled = PointFunctions(functions, [v[0] for v in variables], [v[0] for v in data], seconds)
         _, columns, fixed = zip(*variables, *data, strict=True)
-        return _Direct(compiled, np.array(columns), np.array(fixed), rows[: len(functions)])
+        return Direct(compiled, np.array(columns), np.array(fixed), rows[: len(functions)])
 
     def move(self, z: np.ndarray) -> None:
         self.z = z

@@ -26,6 +26,7 @@ ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
 INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
 GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
+NEARLY_CONSTANT = 1e-3  # of its size: a curve that spans less counts as one that spans so much
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 
@@ -82,7 +83,7 @@ def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
     for e in shown:
         k = int(np.argmax(e.beyond))
         amount = float(e.beyond[k])
-        share = amount / e.span if e.span > 0 else float(amount > 0)
+        share = amount / e.span if e.span > 0 else 0.0
         found.append(Overshoot(e.name, amount, e.unit, float(t[k]), share))
     return max(found, key=lambda own: own.share, default=None)
 
@@ -175,12 +176,17 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
             curve, bounds = values[variable.name], variable.bounds
             yield Excess(
                 f"bounds of {variable.name}", bounds.excess(curve), variable in phase.algebraic,
-                bounds.beyond(curve), float(np.ptp(curve)), variable.unit,
+                bounds.beyond(curve), _span(curve), variable.unit,
             )  # fmt: skip
     for constraint in phase.path:
         g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
         bounds, name = constraint.bounds, f"path constraint '{constraint.name}'"
-        yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), float(np.ptp(g)))
+        yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), _span(g))
+
+
+def _span(curve: np.ndarray) -> float:
+    """What a curve spans; of one that is all but constant, a part of its size: its range is rounding."""
+    return max(float(np.ptp(curve)), NEARLY_CONSTANT * float(np.abs(curve).max()))
 
 
 def _values(trajectory: Trajectory, function: Function, sample: Sample) -> np.ndarray:

@@ -9,7 +9,7 @@ scheme's collocation nodes:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -90,8 +90,15 @@ class Trajectory:
         """The inputs at the same normalised times tau, shape (M,), of all segments: shape (n_u, N, M)."""
         u = np.empty((len(self.u), self.mesh.segments, len(tau)))
         for group in self.mesh.groups:
-            u[:, group.segments] = self.u[:, group.collocated] @ group.scheme.interpolant(tau).U.T
+            u[:, group.segments] = self.u[:, group.collocated] @ group.scheme.control_basis(tau).T
         return u
+
+    def inputs_of(self, segment: int) -> Callable[[float], np.ndarray]:
+        """The inputs of one segment, shape (n_u,), as a function of its normalised time."""
+        group = self.mesh.groups[self.mesh.group_of[segment]]
+        (row,) = np.flatnonzero(group.segments == segment)
+        nodes, basis = self.u[:, group.collocated[row]], group.scheme.control_basis
+        return lambda tau: nodes @ basis(np.array([tau]))[0]
 
     def at(self, s: np.ndarray) -> Sample:
         """The trajectory at normalised times s in [0, 1] of the phase, shape (M,)."""
@@ -198,4 +205,4 @@ def _extrapolate_inputs(trajectory: Trajectory) -> None:
         segment = min(int(np.searchsorted(mesh.knots, k, side="right")) - 1, mesh.segments - 1)
         scheme = mesh.schemes[segment]
         tau = scheme.sigma[k - mesh.first[segment]]
-        u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.interpolant(np.array([tau])).U[0]
+        u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.control_basis(np.array([tau]))[0]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..constraint_kinds import ConstraintKind
+from ..layout import BETWEEN
 from .trajectory import Trajectory
 
 
@@ -47,4 +48,5 @@ def constraint_named(phase: str, kind: ConstraintKind, name: str) -> str:
 
 
 def of_phase(phase: str) -> str:
-    return "" if phase == "main" else f" of phase {phase}"
+    """The phase as messages tell it: not at all where there is one only, or where a link belongs to several."""
+    return "" if phase in ("main", BETWEEN) else f" of phase {phase}"

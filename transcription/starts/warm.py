@@ -6,8 +6,8 @@ phase's duration T,
     y_k / (w_k T)   of a path constraint or a bound     approximates the multiplier function of the continuous problem,
     mu_s R          of the defects of segment s         equals -b lambda, lambda being the costate (see `costate`).
 
-So costates and densities are interpolated to the new points and turned back. Boundary and integral constraints, free
-times and parameters have one multiplier each, which is kept.
+So costates and densities are interpolated to the new points and turned back. Boundary and integral constraints, links,
+free times and parameters have one multiplier each, which is kept.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problems.text import short_repr
-from .constraint_kinds import Multiplier
-from .engines.outcome import Outcome, Start
-from .layout import Family, Layout, Transcription
-from .program.contract import NonlinearProgram
-from .solution.trajectory import Trajectory
+from ...problems.text import short_repr
+from ..constraint_kinds import Multiplier
+from ..engines.outcome import Outcome, Start
+from ..layout import BETWEEN, Family, Layout, Transcription
+from ..program.contract import NonlinearProgram
+from ..solution.trajectory import Trajectory
 
 
 @short_repr
@@ -48,6 +48,9 @@ def warm_start(old: Solved, transcription: Transcription, nlp: NonlinearProgram)
     nlp: its compiled program, which knows the rows of a family.
     """
     y = np.zeros(nlp.m)
+    for family in transcription.families:
+        if family.phase == BETWEEN:
+            y[family.rows(nlp)] = _density(family, old)
     for layout, trajectory in zip(transcription.phases, old.trajectories, strict=True):
         sample = trajectory.at(layout.mesh.fractions)
         assert sample.costate is not None  # multipliers with densities have costates

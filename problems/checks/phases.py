@@ -1,0 +1,215 @@
+"""Checks of a whole file: each of its phases by itself, and what connects them."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterator, Mapping
+
+from ..expressions.expression import Expression
+from ..expressions.functions import is_inconsistent
+from ..expressions.tree import Operation, leaves, nodes
+from ..names.symbols import Symbols
+from ..names.variables import states
+from ..phases.between import Between
+from ..phases.merge import home, phase_specs
+from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
+from ..problem import Range
+from ..schema.declarations import OPEN_END, Time
+from ..schema.phases import LinkEntry
+from ..schema.sections import ConstraintEntry
+from ..schema.spec import Spec
+from ..text import brief, did_you_mean
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+from .names import check_names, name_trouble
+from .values import NO_STATES, check_phase
+
+_SMOOTH = "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)"
+
+
+def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Finding]]:
+    """Every mistake and every warning that concerns more than one value of a file.
+
+    spec: as the schema has passed it.
+    whole: whether every value is the file's own; else some stand for mistaken ones, and nothing can be computed that
+        needs all of them.
+    """
+    if not spec.phases and not spec.waypoints:
+        if spec.links:
+            what = "there are links, but no phases to link"
+            return [Finding(("links",), what, "add phases:, or write the conditions under constraints.boundary")], []
+        return check_phase(spec, whole)
+    errors = list(_structure(spec))
+    if errors:
+        return errors, []
+    own = phase_specs(spec)
+    warnings: list[Finding] = []
+    open_ends = list(_open_ends(spec))
+    for name, phase in own.items():
+        if not phase.states and not phase.model:
+            errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
+            continue
+        found, warned = check_phase(phase, whole, name)
+        errors += (_at_home(spec, name, finding) for finding in found)
+        warnings += (_at_home(spec, name, finding) for finding in warned)
+    if not all(phase.states or phase.model for phase in own.values()):
+        return errors, []
+    if open_ends:
+        errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
+    symbols = {name: Symbols(phase) for name, phase in own.items()}
+    between = Between(symbols, Symbols(spec))
+    connected = [*_expressions(spec, between), *check_names(spec)]
+    if whole and not errors and not connected:
+        connected += [*_passages(spec, symbols), *_objective(spec, own), *_ranges(spec, between)]
+    return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings)]
+
+
+def _at_home(spec: Spec, phase: str, finding: Finding) -> Finding:
+    return finding._replace(path=home(spec, phase, finding.path))
+
+
+def _structure(spec: Spec) -> Iterator[Finding]:
+    """Names of phases, and phases that links name."""
+    if spec.phases and spec.waypoints:
+        what = "phases: and waypoints: are both given"
+        yield Finding(("waypoints",), what, "keep one: waypoints make phases by themselves")
+        return
+    names = list(own_entries(spec))
+    if len(names) < len(spec.waypoints) + 1 and spec.waypoints:
+        yield Finding(("waypoints",), "two waypoints have one name", "give each its own name")
+    for i, name in enumerate(names):
+        path: Path = ("phases", name) if spec.phases else ("waypoints", i, "name")
+        if trouble := name_trouble(name, keyword.kwlist):
+            yield Finding(path, *trouble)
+    yield from _waypoints(spec)
+    for i, link in enumerate(spec.links):
+        for key, name in (("from", link.source), ("to", link.target)):
+            if link.expression is None and name not in names:
+                remedy = did_you_mean(name, names, f"the phases are {', '.join(names)}")
+                yield Finding(("links", i, key), f'there is no phase "{name}"', remedy)
+
+
+def _waypoints(spec: Spec) -> Iterator[Finding]:
+    """Waypoints give values of states."""
+    known = [state.name for state in states(spec)]
+    for i, waypoint in enumerate(spec.waypoints):
+        for name in waypoint.states:
+            if name not in known:
+                remedy = did_you_mean(name, known, f"the states are {', '.join(known)}")
+                yield Finding(("waypoints", i, name), f"{brief(name)} is not a state", remedy)
+
+
+def _open_ends(spec: Spec) -> Iterator[Finding]:
+    """Nobody says when the first phase begins, or when the last ends."""
+    names = list(own_entries(spec))
+    before = forward(spec)
+    for end, where, outer in (
+        ("initial", "the first phase begins", [name for name in names if name not in before]),
+        ("final", "the last phase ends", [name for name in names if name not in before.values()]),
+    ):
+        missing = [name for name in outer if getattr(own_entries(spec)[name].time, end) is None]
+        if missing and getattr(spec.time, end) == OPEN_END:
+            remedy = f"write time: {{{end}: ...}}, at the top level or in the phase {missing[0]}"
+            path: Path = ("time",) if spec.time != Time() else ("phases", missing[0])
+            yield Finding(path, f"nothing says when {where}", remedy)
+
+
+def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
+    """The names in everything that is about the ends of several phases."""
+    for path, expression, constant in _uses(spec):
+        yield from between.findings(path, expression, constant)
+        for node in nodes(expression.root):
+            if isinstance(node, Operation) and is_inconsistent(node.symbol) and not constant:
+                what = f"{node.symbol} is not smooth, and nonsmooth: is about expressions of one phase"
+                yield Finding(path, what, _SMOOTH)
+    for path, kind in ((("constraints", "integral"), spec.constraints.integral),):
+        for i, _ in enumerate(kind):
+            what = "with phases, an integral constraint belongs to one of them"
+            remedy = "move it into a phase; for the whole trajectory use a state with this as its rate"
+            yield Finding((*path, i), what, remedy)
+    if TIME not in (known := set().union(*(symbols.roles for symbols in between.phases.values()))):
+        return
+    for i, link in enumerate(spec.links):
+        for name in link.left_out:
+            if name not in known:
+                remedy = did_you_mean(name, known, "name a state, or t for the time")
+                yield Finding(("links", i, "except"), f'there is no "{name}" to leave out', remedy)
+
+
+def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:
+    """(path, expression, whether it must be a constant)."""
+    both: list[tuple[Path, LinkEntry | ConstraintEntry]] = [(("links", i), link) for i, link in expression_links(spec)]
+    both += [(("constraints", "boundary", i), entry) for i, entry in enumerate(spec.constraints.boundary)]
+    for path, entry in both:
+        if entry.expression is not None:
+            yield (*path, "expression"), entry.expression, False
+        for key in ("lower", "upper", "equals"):
+            if (bound := getattr(entry, key)) is not None:
+                yield (*path, key), bound, True
+    if (terminal := spec.objective.terms.terminal) is not None:
+        yield ("objective", spec.objective.sense, "terminal"), terminal, False
+
+
+def _ranges(spec: Spec, between: Between) -> Iterator[Finding]:
+    """Bounds of links leave room."""
+    for i, link in expression_links(spec):
+        bounds = between.range(link.lower, link.upper, link.equals)
+        if bounds.lower > bounds.upper:
+            what = f"lower {bounds.lower:g} is above upper {bounds.upper:g}"
+            yield Finding(("links", i, "lower"), what, "exchange or change them")
+
+
+def _passages(spec: Spec, symbols: Mapping[str, Symbols]) -> Iterator[Finding]:
+    """What goes on from phase to phase has room to do so."""
+    specs = phase_specs(spec)
+    for own in passages(spec):
+        source, target = symbols[own.source], symbols[own.target]
+        if goes_on_in_time(spec, own):
+            before = source.range(specs[own.source].time.final)
+            after = target.range(specs[own.target].time.initial)
+            yield from _apart(own, TIME, before, after)
+        finals = {state.name: source.range(state.entry.final) for state in source.states}
+        for state in target.states:
+            if state.name in finals and state.name not in own.left_out:
+                yield from _apart(own, state.name, finals[state.name], target.range(state.entry.initial))
+
+
+def _apart(own: Passage, name: str, before: Range, after: Range) -> Iterator[Finding]:
+    common = before.intersection(after)
+    if common.lower > common.upper:
+        path: Path = ("phases", own.target) if own.number is None else ("links", own.number)
+        what = f"{name} ends at {before} in {own.source}, begins at {after} in {own.target}, and should go on"
+        jump = f"links: [{{from: {own.source}, to: {own.target}, except: [{name}]}}]"
+        remedy = f"change one of the two, or let it jump: {jump}"
+        yield Finding(path, what, remedy)
+
+
+def _objective(spec: Spec, own: Mapping[str, Spec]) -> Iterator[Finding]:
+    """There is an objective, and all phases want the same of it."""
+    sense = spec.objective.sense
+    for name, entry in own_entries(spec).items():
+        if entry.objective is not None and entry.objective.sense != sense:
+            what = f"the file says {sense}, and the phase {name} {entry.objective.sense}"
+            yield Finding(("phases", name, "objective"), what, f"write {sense}, and change the sign of the terms")
+    terms = [phase.objective.terms for phase in own.values()]
+    if spec.objective.terms.terminal is None and not any(t.integral or t.terminal for t in terms):
+        yield Finding(("objective", sense), "the objective is empty", "add integral: or terminal: with an expression")
+
+
+def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding]) -> Iterator[Finding]:
+    """Warnings of phases, each once; a name counts as used nowhere if no phase and no link uses it."""
+    written = [
+        *(expression for _, expression, _ in _uses(spec)),
+        *(v for row in spec.guess.keyframes.values() for v in row),
+    ]
+    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)}
+    seen: dict[Finding, int] = {}
+    for warning in warnings:
+        seen[warning] = seen.get(warning, 0) + 1
+    for warning, count in seen.items():
+        if not warning.what.endswith("is used nowhere"):
+            yield warning
+            continue
+        owners = [phase for phase in own.values() if warning.path[-1] in getattr(phase, str(warning.path[-2]), {})]
+        if warning.path[-1] not in used and (count >= len(owners) or warning.path[0] == "phases"):
+            yield warning

@@ -1,0 +1,1 @@
+"""Several phases in one file: what each of them is by itself, and what connects them."""

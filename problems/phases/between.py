@@ -1,0 +1,139 @@
+"""Expressions on the ends of several phases: links, and what the top level asks of the whole trajectory.
+
+A name in them is that of a phase, a point, and the name in it: boost.m[final]. A name without a phase is taken at the
+initial time of the first phase that has it, or at the final time of the last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..expressions.expression import Expression
+from ..expressions.tree import External, Name, Node, below, leaves, rebuilt
+from ..names.symbols import Symbols, no_value
+from ..problem import Range
+from ..text import did_you_mean
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+
+
+class Between:
+    """The names of all phases.
+
+    phases: name of each phase, in order -> its symbols. shared: the symbols of what the top level declares.
+    """
+
+    def __init__(self, phases: Mapping[str, Symbols], shared: Symbols):
+        self.phases, self.shared = phases, shared
+        self.numbers = dict(shared.numbers)
+        self.definitions: dict[str, Expression] = {}
+        for phase, symbols in phases.items():
+            self.numbers |= {f"{phase}.{name}": value for name, value in symbols.numbers.items()}
+            for name, definition in symbols.definitions.items():
+                prefixed = _prefixed(definition.root, phase, shared.static)
+                self.definitions[f"{phase}.{name}"] = replace(definition, root=prefixed)
+
+    def function(self, expression: Expression) -> Expression:
+        """The expression, without mistakes, as a `problem.Function` of the values at the ends of all phases."""
+        root = _renamed(expression.root, self._resolved)
+        return replace(expression, root=root).bind(self.numbers, self.definitions, self.shared.static)
+
+    def findings(self, path: Path, expression: Expression, constant: bool = False) -> Iterator[Finding]:
+        """Every mistake in the names of an expression.
+
+        path: where it stands.
+        constant: whether it must be known before the solution is, as a bound.
+        """
+        troubles = {}
+        for name in leaves(expression.root):
+            if (trouble := self._trouble(name, constant)) is not None:
+                troubles[name.name, name.end] = trouble
+        yield from (Finding(path, *trouble) for trouble in troubles.values())
+        if not troubles and (fault := self.function(expression).fault({})):
+            yield no_value(path, fault)
+
+    def range(self, lower: Expression | None, upper: Expression | None, equals: Expression | None) -> Range:
+        """The range of the bounds of a link."""
+        if equals is not None:
+            lower = upper = equals
+        ends = (None if end is None else self.function(end).constant() for end in (lower, upper))
+        low, high = ends
+        return Range(float("-inf") if low is None else low, float("inf") if high is None else high)
+
+    def _trouble(self, name: Name, constant: bool) -> tuple[str, str] | None:
+        """What is wrong with a name, and the remedy."""
+        phase, dot, inner = name.name.partition(".")
+        if dot and phase not in self.phases:
+            remedy = did_you_mean(phase, self.phases, f"the phases are {', '.join(self.phases)}")
+            return f'there is no phase "{phase}"', remedy
+        if not dot and (name.name in self.shared.numbers or name.name in self.shared.static):
+            return _has_one_value(name) if name.end else None
+        owners = [phase] if dot else [own for own in self.phases if inner_known(self.phases[own], name.name)]
+        if not owners:
+            known = [own for symbols in self.phases.values() for own in symbols.roles if "[" not in own]
+            return f'unknown name "{name.name}"', did_you_mean(name.name, known, "declare it, in a phase or for all")
+        plain = inner if dot else name.name
+        return self._trouble_in(owners[0], plain, name, constant)
+
+    def _trouble_in(self, phase: str, plain: str, name: Name, constant: bool) -> tuple[str, str] | None:
+        symbols = self.phases[phase]
+        if not inner_known(symbols, plain):
+            return f'the phase {phase} has no "{plain}"', did_you_mean(plain, symbols.roles, "name what it has")
+        if not symbols.varies(plain):
+            return _has_one_value(name) if name.end else None
+        if constant:
+            remedy = "use numbers and parameters here"
+            return f"{name.name} varies in time, but this value must be known before the solution is", remedy
+        if not name.end:
+            remedy = f"write {name.name}[final] or {name.name}[initial]"
+            return f"{name.name} has a value at every time, but this expression is about the ends of phases", remedy
+        return None
+
+    def _resolved(self, name: Name) -> Name:
+        """A name with its phase."""
+        if "." in name.name or name.name in self.shared.static:
+            return name
+        if not name.end and name.name in self.shared.numbers:
+            return name
+        owners = [phase for phase in self.phases if inner_known(self.phases[phase], name.name)]
+        return replace(name, name=f"{owners[-1 if name.end == 'final' else 0]}.{name.name}")
+
+
+def inner_known(symbols: Symbols, name: str) -> bool:
+    """Whether a phase has a name that may stand in a link."""
+    return name in symbols.roles and (name in symbols.numbers or name in symbols.definitions or symbols.varies(name))
+
+
+def _has_one_value(name: Name) -> tuple[str, str]:
+    return f"{name.name} is constant and has only one value", f"write {name.name}"
+
+
+def _prefixed(root: Node, phase: str, static: frozenset[str]) -> Node:
+    return _renamed(root, lambda name: name if name.name in static else replace(name, name=f"{phase}.{name.name}"))
+
+
+def _renamed(root: Node, new: Callable[[Name], Name]) -> Node:
+    """A tree with other names; the function of a model gets its operands by the names that it knows."""
+    if isinstance(root, Name):
+        return new(root)
+    if isinstance(root, External):
+        operands = tuple(new(name) for name in root.operands)
+        renamed = {old.name: own.name for old, own in zip(root.operands, operands, strict=True)}
+        function = root.function
+        return replace(
+            root, function=lambda v, functions: function(_ByOldName(v, renamed), functions), operands=operands
+        )
+    return rebuilt(root, [_renamed(node, new) for node in below(root)])
+
+
+class _ByOldName(dict[str, Any]):
+    """Values by the names that a function of a model asks for."""
+
+    def __init__(self, values: Mapping[str, Any], renamed: Mapping[str, str]):
+        super().__init__()
+        self.values_of, self.renamed = values, renamed
+
+    def __missing__(self, name: str) -> Any:
+        return self.values_of[self.renamed[name]]

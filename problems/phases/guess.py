@@ -1,0 +1,128 @@
+"""The guess of what goes on through several phases.
+
+Keyframes of the top level are about the whole trajectory: each phase has its part. A state without them is linear from
+each known value to the next; known are the values that are asked for at the ends, and those that phases guess.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from ..guess import keyframe_positions, middle
+from ..names.symbols import Symbols
+from ..problem import Guess, Phase, Range
+from ..schema.spec import Spec
+from .order import Passage, goes_on_in_time, passages
+
+
+def through_phases(
+    spec: Spec, own: Mapping[str, Spec], symbols: Mapping[str, Symbols], phases: Sequence[Phase]
+) -> list[Phase]:
+    """The phases, guesses of what goes on through them made one, where phases give none of their own.
+
+    spec: of the file.
+    own: the spec of each phase.
+    symbols: of each phase.
+    phases: with the guess that each would have by itself.
+    """
+    if len(phases) == 1:
+        return list(phases)
+    by_name = {phase.name: phase for phase in phases}
+    guessed = {name: {*entry.guess.constants, *entry.guess.keyframes} for name, entry in own.items()}
+    ways = [passage for passage in passages(spec) if goes_on_in_time(spec, passage)]
+    framed = spec.guess.keyframes.keys() - {"time"}
+    for phase in phases:
+        for state in phase.states:
+            chain = [by_name[link] for link in _chain(state.name, phase.name, by_name, ways)]
+            if len(chain) > 1 and state.name not in framed:
+                known = [state.name in guessed[link.name] for link in chain]
+                for name, ends in _curves(state.name, chain, symbols, known):
+                    if state.name not in guessed[name]:
+                        by_name[name] = _with_line(by_name[name], state.name, ends)
+    first = next(iter(symbols.values()))
+    frames = {name: np.array([first.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
+    whole = phases[0].guess.initial_time, phases[-1].guess.final_time
+    return [_with_part(phase, frames, whole, guessed[phase.name]) for phase in by_name.values()]
+
+
+def _chain(state: str, first: str, phases: Mapping[str, Phase], ways: Sequence[Passage]) -> list[str]:
+    """The phases through which a state goes on from the first; none if it comes from another one itself."""
+    if any(way.target == first and _carries(way, state, phases) for way in ways):
+        return []
+    chain = [first]
+    while following := next((w for w in ways if w.source == chain[-1] and _carries(w, state, phases)), None):
+        chain.append(following.target)
+    return chain
+
+
+def _carries(way: Passage, state: str, phases: Mapping[str, Phase]) -> bool:
+    ends = (phases[way.source], phases[way.target])
+    return state not in way.left_out and all(state in (own.name for own in phase.states) for phase in ends)
+
+
+class _Knot(NamedTuple):
+    """A time at which phases meet, and the value that is known there, if any."""
+
+    time: float
+    value: float | None
+
+
+def _curves(
+    state: str, chain: Sequence[Phase], symbols: Mapping[str, Symbols], guessed: Sequence[bool]
+) -> Iterator[tuple[str, tuple[float, float]]]:
+    """(phase, its initial and final value) along a chain: known values, and straight lines over time between them."""
+    knots = list(_knots(state, chain, symbols, guessed))
+    known = [(knot.time, knot.value) for knot in knots if knot.value is not None]
+    if not known:
+        return
+    values = np.interp([knot.time for knot in knots], *np.array(known).T)
+    for phase, start, end in zip(chain, values, values[1:], strict=False):
+        yield phase.name, (float(start), float(end))
+
+
+def _knots(
+    state: str, chain: Sequence[Phase], symbols: Mapping[str, Symbols], guessed: Sequence[bool]
+) -> Iterator[_Knot]:
+    asked = []
+    for phase, own in zip(chain, guessed, strict=True):
+        row, wanted = phase.guess.values[state], _asked(symbols[phase.name], state)
+        asked.append((float(row[0]), float(row[-1])) if own else tuple(map(_value, wanted)))
+    yield _Knot(chain[0].guess.initial_time, asked[0][0])
+    for phase, (_, final), following in zip(chain, asked, [*asked[1:], (None, None)], strict=True):
+        yield _Knot(phase.guess.final_time, following[0] if final is None else final)
+
+
+def _asked(symbols: Symbols, name: str) -> tuple[Range, Range]:
+    entry = next(state.entry for state in symbols.states if state.name == name)
+    return symbols.range(entry.initial), symbols.range(entry.final)
+
+
+def _value(asked: Range) -> float | None:
+    """The middle of a range with two ends: its width says where the state is."""
+    return middle(asked, np.inf) if isfinite(asked.lower) and isfinite(asked.upper) else None
+
+
+def _with_line(phase: Phase, name: str, ends: tuple[float, float]) -> Phase:
+    state = next(own for own in phase.states if own.name == name)
+    line = np.interp(phase.guess.s, [0.0, 1.0], [state.initial.clip(ends[0]), state.final.clip(ends[1])])
+    return replace(phase, guess=replace(phase.guess, values={**phase.guess.values, name: line}))
+
+
+def _with_part(phase: Phase, frames: Mapping[str, np.ndarray], whole: tuple[float, float], guessed: set[str]) -> Phase:
+    """The phase with its part of the keyframes of the whole trajectory."""
+    own = {variable.name for variable in (*phase.states, *phase.inputs)} - guessed
+    wanted = {name: row for name, row in frames.items() if name in own}
+    if not wanted:
+        return phase
+    guess = phase.guess
+    times = whole[0] + keyframe_positions(frames) * (whole[1] - whole[0])
+    s = (times - guess.initial_time) / (guess.final_time - guess.initial_time)
+    places = np.union1d(guess.s, s[(s > 0) & (s < 1)])
+    values = Guess(0.0, 1.0, guess.s, guess.values).samples(places)
+    values |= {name: np.interp(places, s, row) for name, row in wanted.items()}
+    return replace(phase, guess=replace(guess, s=places, values=values))

@@ -1,0 +1,81 @@
+"""The links of a problem, and its objective of the whole trajectory, as functions of the ends of all phases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from ..expressions.expression import Expression
+from ..expressions.tree import Chain, Link, Name
+from ..names.occurrences import boundary_names, link_names
+from ..names.symbols import Symbols
+from ..problem import Constraint, Function, Phase, Range
+from ..schema.spec import Spec
+from .between import Between
+from .order import TIME, expression_links, goes_on_in_time, passages
+
+DURATION = "duration"
+"""Name of the constraint that a phase does not end before it begins."""
+
+ZERO = Range(0.0, 0.0)
+
+
+def links_of(
+    spec: Spec, phases: Sequence[Phase], symbols: Mapping[str, Symbols]
+) -> tuple[tuple[Constraint, ...], Function | None]:
+    """The constraints between phases, and the terminal objective of the top level.
+
+    spec: of the file, without mistakes.
+    phases: all of them, in order.
+    symbols: of each phase.
+    """
+    between = Between(symbols, Symbols(spec))
+    links = [*_passages(spec, {phase.name: phase for phase in phases})]
+    names = link_names(spec)
+    for (_, link), name in zip(expression_links(spec), names, strict=True):
+        assert link.expression is not None  # as it is one of these
+        bounds = between.range(link.lower, link.upper, link.equals)
+        links.append(Constraint(name, between.function(link.expression), bounds))
+    for constraint, name in zip(spec.constraints.boundary, boundary_names(spec), strict=True):
+        bounds = between.range(constraint.lower, constraint.upper, constraint.equals)
+        links.append(Constraint(name, between.function(constraint.expression), bounds))
+    terminal = spec.objective.terms.terminal
+    return tuple(links), None if terminal is None else between.function(terminal)
+
+
+def in_order(phase: Phase) -> Phase:
+    """The phase, which does not end before it begins where its times leave that open."""
+    if phase.final_time.lower >= phase.initial_time.upper:
+        return phase
+    text = "t[final] - t[initial]"
+    last, first = Name(0, 0, TIME, "final"), Name(0, 0, TIME, "initial")
+    duration = Expression(text, Chain(0, len(text), last, (Link(0, len(text), "-", first),)))
+    return replace(phase, boundary=(*phase.boundary, Constraint(DURATION, duration, Range(lower=0.0))))
+
+
+def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:
+    """Time and states that go on from phase to phase, but for what is given as one number on both sides."""
+    links = []
+    for own in passages(spec):
+        source, target = phases[own.source], phases[own.target]
+        if goes_on_in_time(spec, own) and not (source.final_time.fixed and target.initial_time.fixed):
+            links.append(continuity(TIME, own.source, own.target))
+        ends = {state.name: state.final for state in source.states}
+        for state in target.states:
+            goes_on = state.name in ends and state.name not in own.left_out
+            if goes_on and not (state.initial.fixed and ends[state.name].fixed):
+                links.append(continuity(state.name, own.source, own.target))
+    return links
+
+
+def continuity(name: str, source: str, target: str) -> Constraint:
+    """A state, or t, has the same value at the end of one phase and at the start of another.
+
+    name: of the state in both.
+    source: the phase that ends.
+    target: the phase that begins.
+    """
+    end, start = Name(0, 0, f"{source}.{name}", "final"), Name(0, 0, f"{target}.{name}", "initial")
+    text = f"{target}.{name}[initial] - {source}.{name}[final]"
+    difference = Expression(text, Chain(0, len(text), start, (Link(0, len(text), "-", end),)))
+    return Constraint(f"{name} from {source} to {target}", difference, ZERO)

@@ -1,0 +1,85 @@
+"""Which phases there are, which goes on in which, and what goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ..names.variables import states
+from ..schema.phases import LinkEntry, PhaseEntry
+from ..schema.spec import Spec
+
+ALONE = "main"
+"""The name of the phase of a file without phases."""
+
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Passage:
+    """One phase goes on in another: time, unless it is a circle, and every state of one name, but for `left_out`.
+
+    number: of the entry of links: that says so, None for what is so between neighbours.
+    """
+
+    source: str
+    target: str
+    left_out: frozenset[str]
+    number: int | None = None
+
+
+def own_entries(spec: Spec) -> dict[str, PhaseEntry]:
+    """The phases of a file in order, those that its waypoints make among them; none for a file without phases."""
+    if not spec.waypoints:
+        return dict(spec.phases)
+    positions = {state.name: state.velocity_of for state in states(spec) if state.velocity_of}
+    legs: dict[str, PhaseEntry] = {}
+    for number, waypoint in enumerate(spec.waypoints, start=1):
+        own = PhaseEntry.model_validate(
+            {
+                "time": {"final": waypoint.time},
+                "states": {name: {"final": end} for name, end in waypoint.states.items() if name not in positions}
+                | {
+                    positions[name]: {"velocity": {"final": end}}
+                    for name, end in waypoint.states.items()
+                    if name in positions
+                },
+            }
+        )
+        legs[waypoint.name or f"leg{number}"] = own
+    return legs | {f"leg{len(legs) + 1}": PhaseEntry()}
+
+
+def passages(spec: Spec) -> list[Passage]:
+    """What goes on where: as links: say, and from each phase to the next one where they say nothing of that."""
+    names = list(own_entries(spec))
+    given = [
+        Passage(link.source, link.target, frozenset(link.left_out), i)
+        for i, link in enumerate(spec.links)
+        if link.expression is None
+    ]
+    said = {own.target for own in given if _forward(names, own)}
+    neighbours = (Passage(before, after, frozenset()) for before, after in pairwise(names) if after not in said)
+    return [*neighbours, *given]
+
+
+def forward(spec: Spec) -> dict[str, str]:
+    """Phase -> the phase before it, where it goes on from one."""
+    names = list(own_entries(spec))
+    return {own.target: own.source for own in reversed(passages(spec)) if _forward(names, own)}
+
+
+def goes_on_in_time(spec: Spec, own: Passage) -> bool:
+    """Whether the time goes on too: not where a circle closes."""
+    return TIME not in own.left_out and _forward(list(own_entries(spec)), own)
+
+
+def expression_links(spec: Spec) -> Iterator[tuple[int, LinkEntry]]:
+    """The links that are expressions, with their numbers in the file."""
+    return ((i, link) for i, link in enumerate(spec.links) if link.expression is not None)
+
+
+def _forward(names: list[str], own: Passage) -> bool:
+    """Whether the target comes after the source in the file."""
+    return own.source in names and own.target in names and names.index(own.source) < names.index(own.target)

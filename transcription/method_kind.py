@@ -1,0 +1,30 @@
+"""What a kind of method is to the rest: how it transcribes phases, and how costates are read from its multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..problems.errors import Mistake
+from ..problems.problem import Curves, Phase, Problem
+from .engines.outcome import Outcome
+from .layout import Transcription
+from .program.contract import NonlinearProgram
+from .schemes.mesh import Mesh
+
+Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
+
+
+@dataclass(frozen=True)
+class MethodKind:
+    """refused: why a phase cannot be transcribed on its mesh. transcribe: as `transcribe.transcribe`, all of its
+    arguments given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
+    """
+
+    refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
+    transcribe: Transcribe
+    compiled: Callable[[Any], NonlinearProgram]
+    costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
