@@ -6,6 +6,7 @@ from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
+from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..models import find_model
@@ -29,6 +30,9 @@ from .unused import unused
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
+
+OF_TABLES = RESERVED.union(LACKING, ALIASES)
+"""Names that no table may have: some functions are told to be missing, with what does their work."""
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
