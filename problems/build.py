@@ -9,6 +9,7 @@ from .guess import initial_guess
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
+from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import through_phases
 from .phases.links import in_order, links_of
@@ -75,7 +76,7 @@ class _Builder:
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
         written = self.written_constraints()
-        return Phase(
+        phase = Phase(
             name=self.name,
             initial_time=times[0],
             final_time=times[1],
@@ -94,6 +95,7 @@ class _Builder:
             time_unit=spec.time.unit,
             outputs=self.outputs(),
         )
+        return within_tables(phase)
 
     def outputs(self) -> dict[str, Output]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.

@@ -15,9 +15,11 @@ from .errors import FileError, Mistake, SpecError
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
-from .schema.fields import STORED
+from .schema.fields import STORED, TABLES
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
+from .schema.tables import table_names
+from .tables.files import read_files
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
 from .yaml.document import Path as Place
@@ -53,7 +55,8 @@ def load(
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
-    return load_text(_read(Path(source)), str(source), overrides, methods, options)
+    source = Path(source)
+    return load_text(_read(source), str(source), overrides, methods, options, source.parent)
 
 
 def load_text(
@@ -62,12 +65,14 @@ def load_text(
     overrides: Sequence[str] = (),
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
+    folder: Path | None = None,
 ) -> Spec:
     """As `load`, from a text.
 
     text: YAML.
     file: the name used in messages; without its suffix, the name of a problem that gives none.
     overrides, methods, options: as `load` takes them.
+    folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
     phased = bool(document.data.get("phases") or document.data.get("waypoints"))
@@ -91,8 +96,11 @@ def load_text(
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
         early.append(NO_STATES)
+    context = {"methods": tuple(methods), TABLES: table_names(data)}
+    unread = read_files(data, folder)
+    early += unread
     try:
-        spec = Spec.model_validate(data, context={"methods": tuple(methods)})
+        spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
         found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
@@ -174,7 +182,7 @@ def load_stored(data: Mapping[str, Any], file: str) -> Spec:
     if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
         data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
-        spec = Spec.model_validate(data, context={STORED: True})
+        spec = Spec.model_validate(data, context={STORED: True, TABLES: table_names(data)})
         errors, _ = check_spec(spec)
     except ValidationError as error:
         raise _unreadable(messages.findings(error, locations)[0], file) from error

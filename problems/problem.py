@@ -194,6 +194,18 @@ class Phase:
         time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
 
+    @property
+    def over_time(self) -> tuple[Function, ...]:
+        """Every function of the values at one time that the problem needs."""
+        constraints = (*self.residuals, *self.path, *self.integral)
+        rates = (state.rate for state in self.states)
+        return (*rates, *(c.function for c in constraints), *([self.lagrange] if self.lagrange else []))
+
+    @property
+    def at_ends(self) -> tuple[Function, ...]:
+        """Every function of the values at both ends that the problem needs."""
+        return (*(c.function for c in self.boundary), *([self.mayer] if self.mayer else []))
+
     def arguments(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
         """What this phase's functions are called with: names -> arrays of shape (...).
 

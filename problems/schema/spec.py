@@ -33,6 +33,7 @@ from .solving import (
     Solver,
     Sweep,
 )
+from .tables import TableEntry
 
 
 def _alternatives(schema: dict[str, Any]) -> None:
@@ -62,6 +63,9 @@ class Spec(Entry):
         {},
         max_length=MAX_NAMES,
         description="name -> expression, or {value, unit, note}, that others may use by that name; over time an output",
+    )
+    tables: dict[str, TableEntry] = Field(
+        {}, max_length=MAX_NAMES, description="tables of data: name -> {points, values} or {file}, called as name(h)"
     )
     model: Text = Field(
         "",
@@ -191,7 +195,7 @@ class Spec(Entry):
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
-        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions")
+        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions", "tables")
         named = {group: getattr(self, group) for group in groups}
         declared = [f"{group} {shorten(', '.join(names), 60)}" for group, names in named.items() if names]
         if self.model:

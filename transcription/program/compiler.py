@@ -26,10 +26,12 @@ from pyomo.core.expr import relational_expr as relation
 from pyomo.core.expr.numvalue import native_numeric_types
 from pyomo.core.expr.template_expr import TemplateSumExpression
 
+from .backend import available_backend
 from .contract import callback
 from .family import CompiledFamily, Entries
-from .machine_code import available_backend, compile_family, timing
-from .symbolic import Arguments, Slots
+from .machine_code import compile_family, timing
+from .slots import Slots
+from .symbolic import Arguments
 from .templates import TemplateError, linear_parts, template_of
 
 
@@ -124,10 +126,10 @@ class CompiledNLP:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
     def _family(self, components: Any, over: Any, arguments: Any, outputs: Any, rows: np.ndarray) -> CompiledFamily:
-        code = compile_family(
-            [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
-        )
-        return CompiledFamily(components, over, arguments, rows, code)
+        sizes = len(arguments.variables), len(arguments.data)
+        outputs = [se.sympify(y) for y in outputs]
+        code = compile_family(outputs, *sizes, self._backend, self.seconds, arguments.lookups)
+        return CompiledFamily(components, over, arguments, rows, code, self._backend)
 
     def _prepare(self) -> None:
         self._families = self._row_families + self._sum_families + self._cost_families
@@ -165,7 +167,7 @@ class CompiledNLP:
             return
         self._numbers[: self.n] = z
         for f in self._families:
-            f.variables[:] = self._numbers.take(f.columns)
+            f.move(self._numbers)
 
     def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
         """What is not finite in a callback: (component name, index) each."""
