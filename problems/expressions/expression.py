@@ -48,7 +48,10 @@ class Expression:
     static: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
-        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once."""
+        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once.
+
+        A parameter that is among the values stands for itself: where it is to be data, not a number.
+        """
         return _Walk(values, functions).evaluate(self)
 
     def bind(
@@ -160,7 +163,8 @@ class _Walk:
 
     def evaluate(self, expression: Expression) -> Any:
         self.key = expression._key
-        self.scope = {name: self.number(value) for name, value in expression.parameters.items()}
+        given, number = self.values, self.number
+        self.scope = {n: given[n] if n in given else number(value) for n, value in expression.parameters.items()}
         for key, (definition, end) in expression.steps.items():
             self.scope[key] = self.start(definition, end)
         return self.start(expression, None)

@@ -23,14 +23,17 @@ the band of each follows that of the one before; links, on the ends of several, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
-from pyomo.core import Block, ConcreteModel, Constraint, Objective, Var
+from pyomo.core import Any as AnyValue
+from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, Var
 
+from ...problems.expressions.structure import Form
 from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
 from ..constraint_kinds import LINK
@@ -40,6 +43,7 @@ from ..program.templates import templated
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder, between, bound
 from .differences import DifferenceBuilder
+from .kept import Forms, Ready, forms_of, keep, key_of, known
 from .segments import CollocationBuilder
 
 
@@ -51,7 +55,14 @@ def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
     """
-    return _transcribe(CollocationBuilder, problem, meshes, guess, templates)
+    if not templates:
+        return _transcribe(CollocationBuilder, problem, meshes, guess, None)
+    forms = forms_of(problem)
+    key = key_of(forms, meshes)
+    if found := known(problem, forms, key, guess):
+        return found
+    new = _transcribe(CollocationBuilder, problem, meshes, guess, forms)
+    return replace(new, program=Ready(forms, key, guess, None))
 
 
 def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
@@ -62,32 +73,42 @@ def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Cur
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
     """
-    return _transcribe(DifferenceBuilder, problem, meshes, guess, templates)
+    return _transcribe(DifferenceBuilder, problem, meshes, guess, forms_of(problem) if templates else None)
 
 
 def compiled_model(transcription: Transcription) -> CompiledNLP:
-    """The nonlinear program of a templated model."""
-    return CompiledNLP(transcription.model, transcription.variables)
+    """The nonlinear program of a templated model; one that is known already if it differs in numbers only."""
+    ready = transcription.program
+    if isinstance(ready, Ready) and ready.nlp:
+        return ready.nlp
+    nlp = CompiledNLP(transcription.model, transcription.variables)
+    if isinstance(ready, Ready):
+        keep(transcription, ready, nlp)
+    return nlp
 
 
 def _transcribe(
-    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool
+    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], forms: Forms | None
 ) -> Transcription:
+    """The model in templates, with the data that `forms` tells of; or expanded and with numbers, without forms."""
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
     for parameter in problem.parameters:
         bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
     model.phase = Block([phase.name for phase in problem.phases])
     p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
-    builders = [
-        method(model.phase[phase.name], p, phase, mesh) for phase, mesh in zip(problem.phases, meshes, strict=True)
+    blocks = [model.phase[phase.name] for phase in problem.phases]
+    data = [
+        _data(block, form) for block, form in zip(blocks, forms.phases if forms else [None] * len(blocks), strict=True)
     ]
-    with templated() if templates else nullcontext():
+    between = _data(model, forms.links if forms else None)
+    builders = [method(*own) for own in zip(blocks, [p] * len(blocks), data, problem.phases, meshes, strict=True)]
+    with templated() if forms else nullcontext():
         for builder, start in zip(builders, guess, strict=True):
             builder.variables(start)
             builder.constraints()
-        links = _links(model, problem, builders)
-        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders))
+        links = _links(model, problem, builders, between)
+        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, between))
     unknowns = _Unknowns()
     layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
     parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)
@@ -95,13 +116,21 @@ def _transcribe(
     return Transcription(problem, model, tuple(unknowns.variables), layouts, parameters, families)
 
 
-def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder]) -> list[Family]:
+def _data(block: Any, form: Form | None) -> dict[str, Any]:
+    """Numbers of the file that stay symbols: a Param of the block for each."""
+    if form is None or not form.data:
+        return {}
+    block.number = Param(list(form.data), mutable=True, within=AnyValue, initialize=dict(form.data))
+    return {name: block.number[name] for name in form.data}
+
+
+def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder], data: Mapping[str, Any]) -> list[Family]:
     """Add the constraints between phases to a model whose phases are filled, and tell what they are."""
     families = []
     for number, link in enumerate(problem.links):
 
         def rule(m: Any, *, c: PathConstraint = link) -> Any:  # Pyomo takes a positional one for an index
-            return between(c.bounds, c.function(_all_ends(builders), pyomo))
+            return between(c.bounds, c.function({**_all_ends(builders), **data}, pyomo))
 
         constraint = Constraint(rule=rule)
         model.add_component(f"link{number}", constraint)
@@ -118,9 +147,9 @@ def _all_ends(builders: Sequence[PhaseBuilder]) -> dict[str, Any]:
     return values
 
 
-def _cost(problem: Problem, builders: Sequence[PhaseBuilder]) -> Any:
+def _cost(problem: Problem, builders: Sequence[PhaseBuilder], data: Mapping[str, Any]) -> Any:
     cost = sum(builder.cost() for builder in builders)
-    return cost + problem.mayer(_all_ends(builders), pyomo) if problem.mayer else cost
+    return cost + problem.mayer({**_all_ends(builders), **data}, pyomo) if problem.mayer else cost
 
 
 class _Unknowns:
