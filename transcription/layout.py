@@ -100,7 +100,8 @@ class Unknown(NamedTuple):
 class Transcription:
     """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where.
 
-    variables: those of Pyomo, or `Unknown`. program: what its method knows of the program before it is compiled.
+    variables: those of Pyomo, or `Unknown`; then the numbers in the model, if there is one, are not those of this
+    problem (see `collocation.kept`).
     """
 
     problem: Problem
@@ -109,7 +110,6 @@ class Transcription:
     phases: tuple[Layout, ...]
     parameters: np.ndarray
     families: tuple[Family, ...]
-    program: Any = field(default=None, kw_only=True)
 
 
 def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,74 +10,30 @@ A program is kept only if its numbers, put together here, are exactly those that
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ...problems.expressions.structure import Form, form_of
-from ...problems.probe import depends_on
-from ...problems.problem import Curves, Function, Phase, Problem, Range
+from ...problems.problem import Curves, Phase, Problem, Range
 from ..constraint_kinds import BOUND, DEFECT, PATH, PATH_END, ConstraintKind
 from ..layout import Layout, Transcription, Unknown, bounded_start
+from ..method_kind import Program
 from ..program.alone import LOCK
 from ..program.compiler import CompiledNLP
 from ..schemes.mesh import Mesh
+from .forms import GROUPS, Forms, forms_of
+from .model import by_segments, compiled_model
 
 MOST, LARGEST = 16, 20_000
 """Programs that are kept, and unknowns of one: each holds its Pyomo model, some 2 kB for each unknown."""
 
 EQUAL = Range(0.0, 0.0)
-_GROUPS = ("residuals", "path", "boundary", "integral")
-
-
-class Forms(NamedTuple):
-    """The form of a problem's functions: key, equal where one program serves; phases, links: with their data."""
-
-    key: Hashable
-    phases: tuple[Form, ...]
-    links: Form
-
-
-def forms_of(problem: Problem) -> Forms:
-    """The form of a problem and the data of its functions, for each phase and for what is between phases."""
-    phases = tuple(form_of(_functions(phase)) for phase in problem.phases)
-    links = form_of([*(link.function for link in problem.links), problem.mayer])
-    shape = [
-        problem.sense,
-        *((own.name, _shape(own.bounds)) for own in problem.parameters),
-        *((link.name, _shape(link.bounds)) for link in problem.links),
-        *(_shape_of_phase(phase) for phase in problem.phases),
-    ]
-    return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
-
-
-def _functions(phase: Phase) -> list[Function | None]:
-    constraints = [own for kind in _GROUPS for own in getattr(phase, kind)]
-    return [*(state.rate for state in phase.states), *(c.function for c in constraints), phase.lagrange, phase.mayer]
-
-
-def _shape(bounds: Range) -> tuple[bool, bool, bool]:
-    return isfinite(bounds.lower), isfinite(bounds.upper), bounds.fixed
-
-
-def _shape_of_phase(phase: Phase) -> Hashable:
-    inputs = {variable.name for variable in phase.inputs}
-    groups = [getattr(phase, kind) for kind in _GROUPS]
-    return (
-        phase.name,
-        (_shape(phase.initial_time), _shape(phase.final_time)),
-        tuple((s.name, s.velocity_of, *map(_shape, (s.bounds, s.initial, s.final))) for s in phase.states),
-        tuple((own.name, _shape(own.bounds)) for own in phase.controls),
-        tuple((own.name, _shape(own.bounds)) for own in phase.algebraic),
-        tuple(tuple((c.name, _shape(c.bounds)) for c in group) for group in groups),
-        # (p - q) u depends on u for most numbers p and q, and then says nothing of an end without a value of u.
-        tuple(depends_on(c.function, inputs) for c in phase.path),
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,80 +45,70 @@ class Kept:
     data: Mapping[int, Callable[[Problem, Forms], float]]
 
 
-class Ready(NamedTuple):
-    """What `Transcription.program` is: of a new transcription, how it is kept; of a known one, its program."""
-
-    forms: Forms
-    key: Hashable
-    guess: Sequence[Curves]
-    nlp: CompiledNLP | None
-
-
 _kept: OrderedDict[Hashable, Kept] = OrderedDict()
 
 
-def key_of(forms: Forms, meshes: Sequence[Mesh]) -> Hashable:
-    """What programs have in common that differ in numbers only.
+def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -> Program:
+    """The transcription of a problem and its program, from one that is kept where there is one.
 
-    forms: of the problem.
-    meshes: one for each phase.
-    """
-    return forms.key, tuple((mesh.schemes, mesh.widths.tobytes()) for mesh in meshes)
-
-
-def known(problem: Problem, forms: Forms, key: Hashable, guess: Sequence[Curves]) -> Transcription | None:
-    """The transcription of a problem whose program is kept, with its own numbers; None if none is.
-
-    problem: to be solved.
-    forms: of it.
-    key: of it and its meshes.
+    problem: one that no method refuses.
+    meshes: one for each phase, of collocation schemes.
     guess: one for each phase.
     """
+    forms = forms_of(problem)
+    key = forms.key, tuple((mesh.schemes, mesh.widths.tobytes()) for mesh in meshes)
     with LOCK:
         kept = _kept.get(key)
-        if kept is None:
-            return None
-        _kept.move_to_end(key)
+        if kept is not None:
+            _kept.move_to_end(key)
+    if kept is not None:
+        return _again(kept, problem, forms, guess)
+    transcription = by_segments(problem, meshes, guess, templates=True)
+    built = time.perf_counter()
+    nlp = compiled_model(transcription)
+    if nlp.n <= LARGEST and (new := _kept_as(transcription, nlp, forms, guess)):
+        with LOCK:
+            _kept[key] = new
+            while len(_kept) > MOST:
+                _kept.popitem(last=False)
+    return Program(transcription, nlp, built)
+
+
+def _again(kept: Kept, problem: Problem, forms: Forms, guess: Sequence[Curves]) -> Program:
+    """A kept program with the numbers of a problem, whose form is `forms`."""
     old = kept.transcription
     layouts = tuple(replace(own, phase=phase) for own, phase in zip(old.phases, problem.phases, strict=True))
     z, lower, upper = _unknowns(problem, layouts, old.parameters, guess)
     variables = tuple(map(Unknown, z.tolist(), zip(*map(_or_none, (lower, upper)), strict=True)))
+    built = time.perf_counter()
     numbers = {slot: number(problem, forms) for slot, number in kept.data.items()}
     nlp = kept.nlp.with_numbers(numbers, *_bounds(problem, old, kept.nlp))
-    return replace(old, problem=problem, variables=variables, phases=layouts, program=Ready(forms, key, guess, nlp))
+    return Program(replace(old, problem=problem, variables=variables, phases=layouts), nlp, built)
 
 
 def _or_none(bounds: np.ndarray) -> list[float | None]:
     return [bound if isfinite(bound) else None for bound in bounds.tolist()]
 
 
-def keep(transcription: Transcription, ready: Ready, nlp: CompiledNLP) -> None:
-    """Keep the program of a transcription, if it can be made again of numbers alone.
-
-    transcription: new.
-    ready: its form, its key and where it starts.
-    nlp: its program.
-    """
+def _kept_as(transcription: Transcription, nlp: CompiledNLP, forms: Forms, guess: Sequence[Curves]) -> Kept | None:
+    """A new program with the places of its numbers; None if it cannot be made again of numbers alone."""
     problem = transcription.problem
-    if nlp.n > LARGEST or not _told_apart(problem):
-        return
-    data = dict(_data(transcription, nlp, ready.forms))
-    told = [*_unknowns(problem, transcription.phases, transcription.parameters, ready.guess)]
+    if not _told_apart(problem):
+        return None
+    data = dict(_data(transcription, nlp, forms))
+    told = [*_unknowns(problem, transcription.phases, transcription.parameters, guess)]
     told += _bounds(problem, transcription, nlp)
     had = [*bounded_start(transcription), nlp.cl, nlp.cu]
     if not all(map(np.array_equal, told, had)):
-        return
-    if any(number(problem, ready.forms) != nlp.number(slot) for slot, number in data.items()):
-        return
-    with LOCK:
-        _kept[ready.key] = Kept(replace(transcription, program=None), nlp, data)
-        while len(_kept) > MOST:
-            _kept.popitem(last=False)
+        return None
+    if any(number(problem, forms) != nlp.number(slot) for slot, number in data.items()):
+        return None
+    return Kept(transcription, nlp, data)
 
 
 def _told_apart(problem: Problem) -> bool:
     """Whether every constraint can be found by its name."""
-    groups = [problem.links, *(getattr(p, kind) for p in problem.phases for kind in _GROUPS)]
+    groups = [problem.links, *(getattr(p, kind) for p in problem.phases for kind in GROUPS)]
     return all(len({own.name for own in group}) == len(group) for group in groups)
 
 

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -43,7 +42,7 @@ from ..program.templates import templated
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder, between, bound
 from .differences import DifferenceBuilder
-from .kept import Forms, Ready, forms_of, keep, key_of, known
+from .forms import Forms, forms_of
 from .segments import CollocationBuilder
 
 
@@ -55,14 +54,7 @@ def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
     """
-    if not templates:
-        return _transcribe(CollocationBuilder, problem, meshes, guess, None)
-    forms = forms_of(problem)
-    key = key_of(forms, meshes)
-    if found := known(problem, forms, key, guess):
-        return found
-    new = _transcribe(CollocationBuilder, problem, meshes, guess, forms)
-    return replace(new, program=Ready(forms, key, guess, None))
+    return _transcribe(CollocationBuilder, problem, meshes, guess, forms_of(problem) if templates else None)
 
 
 def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
@@ -77,14 +69,8 @@ def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Cur
 
 
 def compiled_model(transcription: Transcription) -> CompiledNLP:
-    """The nonlinear program of a templated model; one that is known already if it differs in numbers only."""
-    ready = transcription.program
-    if isinstance(ready, Ready) and ready.nlp:
-        return ready.nlp
-    nlp = CompiledNLP(transcription.model, transcription.variables)
-    if isinstance(ready, Ready):
-        keep(transcription, ready, nlp)
-    return nlp
+    """The nonlinear program of a templated model."""
+    return CompiledNLP(transcription.model, transcription.variables)
 
 
 def _transcribe(

@@ -20,6 +20,7 @@ OPT_LEVEL = 0
 CODE_LIMIT = 256  # compiled families kept for the next mesh
 
 _code: dict[tuple, Code] = {}
+_values: dict[tuple, Callable] = {}
 
 
 @cache
@@ -66,12 +67,29 @@ def compile_family(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
     return _code[key]
 
 
+def compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str) -> Callable:
+    """Machine code of the outputs alone, without derivatives; arguments as of `compile_family`."""
+    key = (tuple(outputs), n_variables, n_data, backend)
+    if key not in _values:
+        if len(_values) >= CODE_LIMIT:
+            _values.pop(next(iter(_values)))
+        v, d, w = _symbols(n_variables, n_data, len(outputs))
+        _values[key] = se.Lambdify(v + d + w, list(outputs), **_options(backend))
+    return _values[key]
+
+
+def _symbols(*numbers: int) -> list[list[se.Symbol]]:
+    """Variables, data and weights, as many as asked for."""
+    return [[se.Symbol(f"{x}{i}") for i in range(k)] for x, k in zip("vdw", numbers, strict=True)]
+
+
+def _options(backend: str) -> dict[str, Any]:
+    return {"backend": backend, "cse": True, **({"opt_level": OPT_LEVEL} if backend == "llvm" else {})}
+
+
 def _compile(outputs: Any, n_variables: int, n_data: int, backend: str, seconds: dict[str, float]) -> Code:
     with timing(seconds, "differentiate"):
-        v, d, w = (
-            [se.Symbol(f"{x}{i}") for i in range(k)]
-            for x, k in (("v", n_variables), ("d", n_data), ("w", len(outputs)))
-        )
+        v, d, w = _symbols(n_variables, n_data, len(outputs))
         place = {symbol: j for j, symbol in enumerate(v)}
         jacobian = [(o, j, e) for o, y in enumerate(outputs) for j, e in _derivatives(y, place)]
         gradient: dict[int, se.Basic] = {}
@@ -79,10 +97,9 @@ def _compile(outputs: Any, n_variables: int, n_data: int, backend: str, seconds:
             gradient[j] = gradient.get(j, 0) + w[o] * e
         hessian = [(i, j, e) for i, g in sorted(gradient.items()) for j, e in _derivatives(g, place) if j <= i]
     with timing(seconds, "compile"):
-        options = {"backend": backend, "cse": True, **({"opt_level": OPT_LEVEL} if backend == "llvm" else {})}
 
         def function(expressions: list) -> Any:
-            return se.Lambdify(v + d + w, expressions, **options) if expressions else None
+            return se.Lambdify(v + d + w, expressions, **_options(backend)) if expressions else None
 
         functions = [function(e) for e in (list(outputs), [e for *_, e in jacobian], [e for *_, e in hessian])]
     first, second = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))

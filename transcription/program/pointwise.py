@@ -8,7 +8,7 @@ import numpy as np
 import pyomo.core as pyomo
 import symengine as se
 
-from .machine_code import Code, available_backend, compile_family, timing
+from .machine_code import Code, available_backend, compile_family, compile_values, timing
 from .symbolic import Arguments, Slots
 
 
@@ -60,6 +60,18 @@ class PointFunctions:
             full[..., arguments.shape[-1] :] = weights
         flat = full.reshape(-1, full.shape[-1])
         return function(flat).reshape(*arguments.shape[:-1], -1)
+
+
+def compiled_values(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> Callable:
+    """The functions' values alone, as one function of rows of arguments: variables, data, then a number for each
+    function that is not used.
+
+    functions: as `PointFunctions` takes them.
+    variables: names.
+    data: names.
+    """
+    outputs = _translate(functions, variables, data)
+    return compile_values(outputs, len(variables), len(data), available_backend())
 
 
 def _translate(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> list[se.Basic]:
