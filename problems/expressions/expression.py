@@ -90,11 +90,19 @@ class Expression:
         return frozenset().union(self._keys(self.root, None), *inner) - self.steps.keys() - self.parameters.keys()
 
     @cached_property
+    def constants(self) -> frozenset[str]:
+        """The parameters that stand in the expression or in a definition that is needed."""
+        roots = [self.root, *(definition.root for definition, _ in self.steps.values())]
+        return frozenset(leaf.name for root in roots for leaf in leaves(root)) & self.parameters.keys()
+
+    @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
         """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, set[str]] = {}
-        waiting = [(n.name, n.end) for n in leaves(self.root)]
+        waiting = [(n.name, n.end) for n in leaves(self.root) if n.name in self.definitions]
+        if not waiting:
+            return found
         while waiting:
             name, end = waiting.pop()
             key = self._key(name, end)
@@ -163,8 +171,8 @@ class _Walk:
 
     def evaluate(self, expression: Expression) -> Any:
         self.key = expression._key
-        given, number = self.values, self.number
-        self.scope = {n: given[n] if n in given else number(value) for n, value in expression.parameters.items()}
+        given, numbers, number = self.values, expression.parameters, self.number
+        self.scope = {n: given[n] if n in given else number(numbers[n]) for n in expression.constants}
         for key, (definition, end) in expression.steps.items():
             self.scope[key] = self.start(definition, end)
         return self.start(expression, None)

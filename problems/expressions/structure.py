@@ -9,7 +9,7 @@ model in Python is given, and those that are zero (0*sqrt(x) has no derivative a
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..problem import Function
 from .expression import Expression
@@ -32,7 +32,7 @@ def form_of(functions: Iterable[Function | None]) -> Form:
 
     A function that is no expression is its own form. What is one number here and another there is literal.
     """
-    shapes: list[Hashable] = []
+    shapes: list[Any] = []
     numbers: dict[str, float] = {}
     literal: set[str] = set()
     for function in functions:
@@ -41,7 +41,7 @@ def form_of(functions: Iterable[Function | None]) -> Form:
             continue
         roots = [function.root, *(definition.root for definition, _ in function.steps.values())]
         shapes.append((function.root, *((key, d.root) for key, (d, _) in function.steps.items())))
-        for name in {leaf.name for root in roots for leaf in leaves(root)} & function.parameters.keys():
+        for name in sorted(function.constants):
             value = function.parameters[name]
             if numbers.setdefault(name, value) != value or not value:
                 literal.add(name)

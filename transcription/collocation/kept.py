@@ -127,16 +127,16 @@ def _data(
 
 
 def _of_phase(i: int, name: str, problem: Problem, forms: Forms) -> float:
-    return forms.phases[i].data[name]
+    return float(forms.phases[i].data[name])
 
 
 def _between(name: str, problem: Problem, forms: Forms) -> float:
-    return forms.links.data[name]
+    return float(forms.links.data[name])
 
 
 def _time(i: int, end: str, problem: Problem, forms: Forms) -> float:
     bounds: Range = getattr(problem.phases[i], end)
-    return bounds.lower
+    return float(bounds.lower)
 
 
 def _unknowns(

@@ -68,7 +68,10 @@ def compile_family(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
 
 
 def compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str) -> Callable:
-    """Machine code of the outputs alone, without derivatives; arguments as of `compile_family`."""
+    """Machine code of the outputs alone, without derivatives.
+
+    outputs, n_variables, n_data, backend: as `compile_family` takes them.
+    """
     key = (tuple(outputs), n_variables, n_data, backend)
     if key not in _values:
         if len(_values) >= CODE_LIMIT:
