@@ -15,6 +15,8 @@ SHORT_FORMS = {
     "refine.tolerance": "--refine",
     "solver.seconds": "--time-limit",
     "refine.objective": "--accuracy",
+    "solver.starts": "--starts",
+    "solver.seed": "--seed",
 }
 """Options that stand for an override, by its path; messages name the option."""
 
@@ -45,7 +47,9 @@ def overrides(
     refine: str | None = None,
     time_limit: str | None = None,
     accuracy: str | None = None,
+    starts: str | None = None,
+    seed: str | None = None,
 ) -> list[str]:
     """The short forms as overrides, after those of --set; they are checked as these are."""
-    values = (method, segments, tol, refine, time_limit, accuracy)
+    values = (method, segments, tol, refine, time_limit, accuracy, starts, seed)
     return [*(set_ or ()), *(f"{path}={v}" for path, v in zip(SHORT_FORMS, values, strict=True) if v is not None)]

@@ -41,6 +41,8 @@ class Function(Protocol):
     def __call__(self, values: Mapping[str, Numeric], functions: Any, /) -> Numeric: ...
 
 
+MAX_LINES = 5  # of what is shown of a problem
+
 TOLERATED_EXCESS = 1e-4
 """Of a curve over a bound, as of `Range.excess`: refinement and figures let less than this pass."""
 
@@ -219,10 +221,13 @@ class Problem:
     mayer: Function | None = None
 
     def __repr__(self) -> str:
-        """A line for the problem and one for each phase."""
+        """A line for the problem and one for each phase, as far as they are few."""
         sense = "minimize" if self.sense > 0 else "maximize"
         parameters = f", parameters {_named(self.parameters)}" if self.parameters else ""
-        return "\n  ".join([f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]) + ">"
+        lines = [f"<Problem {shorten(self.name)}: {sense}{parameters}", *map(repr, self.phases)]
+        if len(lines) > MAX_LINES:
+            lines[MAX_LINES - 1 :] = [f"and {len(lines) - MAX_LINES + 1} phases more"]
+        return "\n  ".join(lines) + ">"
 
 
 def _named(variables: tuple[Variable, ...]) -> str:

@@ -63,7 +63,7 @@ class Reference:
     """The program as it is compiled for IPOPT, at a random point within its bounds and near its guess."""
 
     def __init__(self, problem, mesh: Mesh):
-        self.problem, self.meshes = problem, [mesh]
+        self.problem, self.meshes = problem, [mesh] * len(problem.phases)
         self.transcription = transcribe(problem, self.meshes)
         self.variables = self.transcription.variables
         self.bounds = [(-inf if v.lb is None else v.lb, inf if v.ub is None else v.ub) for v in self.variables]
@@ -72,13 +72,13 @@ class Reference:
 
     def names(self, suffix: str) -> list[str]:
         names = [v.name for v in self.variables]
-        return [tex_name(name) for name in names] if suffix == ".tex" else names
+        return [tex_name(name, len(self.meshes) > 1) for name in names] if suffix == ".tex" else names
 
     def values(self, suffix: str) -> dict[str, float]:
         values = dict(zip(self.names(suffix), self.z.tolist(), strict=True))
         if suffix == ".tex":  # it names the times even where they are fixed
-            block = self.transcription.model.phase["main"]
-            values |= {name: t.value for name, t in (("t_{0}", block.t0), ("t_{F}", block.tF)) if t.fixed}
+            times = [t for block in self.transcription.model.phase.values() for t in (block.t0, block.tF)]
+            values |= {tex_name(t.name, len(self.meshes) > 1): t.value for t in times if t.fixed}
         return values
 
     def program(self, suffix: str) -> Program:
@@ -93,9 +93,13 @@ class Reference:
         return Program(nlp.objective(self.z), dict(zip(names, slacks, strict=True)), bounds)
 
 
-def tex_name(name: str) -> str:
-    """phase[main].x[q1,3] -> x_{q1,3}"""
-    name = re.sub(r"t([0F])$", r"t[\1]", name.removeprefix("phase[main].").replace("'", ""))
+def tex_name(name: str, several: bool = False) -> str:
+    """phase[main].x[q1,3] -> x_{q1,3}, or with several phases x_{main,q1,3}; phase[main].t0 -> t_{0}, t_{0,main}"""
+    name = re.sub(r"t([0F])$", r"t[\1]", name.replace("'", ""))
+    if phase := re.match(r"phase\[(\w+)\]\.", name):
+        name, own = name[phase.end() :], phase[1]
+        if several:
+            name = re.sub(r"^t\[(.)\]$", rf"t[\1,{own}]", name) if name[0] == "t" else name.replace("[", f"[{own},", 1)
     return re.sub(r"^(\w)\[(.*)\]$", r"\1_{\2}", name)
 
 

@@ -32,12 +32,46 @@ FULL = {
         {"method": "radau", "segments": [1, 2], "tolerance": 1e-6, "degree": [3, 4], "form": "integral"},
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
     ],
-    "solver": {"engine": "ipopt", "accept": "optimal", "coarse_start": True, "seconds": 60, "max_iter": 100},
+    "solver": {
+        "engine": "ipopt",
+        "accept": "optimal",
+        "coarse_start": True,
+        "seconds": 60,
+        "starts": 2,
+        "seed": 1,
+        "max_iter": 100,
+    },
+    "continuation": {"parameters.m": [3, 2.5]},
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
     "sweep": {"over": {"parameters.c": "1:2:3"}, "zip": False, "sample": 4, "seed": 1, "chain": False},
 }
+PHASES = {
+    "phases": {
+        "near": {
+            "note": "the first", "time": {"initial": {"value": 0}, "final": {"lower": 0.5, "upper": 2, "guess": 1}},
+            "parameters": {"extra": {"value": 0.2, "unit": "1", "note": "another"}}, "expressions": {"twice": "2*v"},
+            "states": {"x": {"final": {"lower": 0, "upper": 1}}}, "controls": {"u": {"upper": 4}},
+            "algebraic": {"F": {"upper": 8}}, "residuals": ["m*v[rate] - F", "F - u"], "without": ["p"],
+            "objective": {"minimize": {"integral": "u**2 + v**2"}}, "guess": {"constants": {"u": 1}},
+            "constraints": {"path": [{"expression": "v", "upper": 9}]}, "mesh": [{"method": "radau", "segments": 3}],
+        },
+        "far": {},
+    },
+    "links": [
+        {"from": "near", "to": "far", "except": ["p"]},
+        {"name": "kept", "expression": "far.v[initial] - near.v[final]", "lower": -1, "upper": 1},
+        {"expression": "far.p[initial]", "equals": 0.5},
+    ],
+    "constraints": {"boundary": [{"expression": "near.x[final]", "upper": 3}]},
+}  # fmt: skip
+WAYPOINTS = {
+    "waypoints": [{"name": "gate", "time": {"lower": 0.5, "upper": 2, "guess": 1}, "states": {"x": {"value": 0.5}}}],
+    "constraints": {},
+}
 # Keys that exclude others of the full file.
 OTHERS = {
+    **dict.fromkeys(("phases", "links"), PHASES),
+    "waypoints": WAYPOINTS,
     "maximize": {"objective": {"maximize": {"integral": "u**2", "terminal": "x[final]"}}},
     "sqrt": {"nonsmooth": {"sqrt": [0.01]}},
 }
@@ -46,7 +80,9 @@ WRONG = {
     "true": True, "negative": -1, "zero": 0, "broken": 1.5, "huge": 1e300, "infinite": float("inf"),
     "NaN": float("nan"), "null": None,
 }  # fmt: skip
-OF_THE_FILE = re.compile("unknown name|already declared|as many residuals as|everything in it is fixed")
+OF_THE_FILE = re.compile(
+    "unknown name|already declared|as many residuals as|everything in it is fixed|no phase|is not a state"
+)
 FOREIGN = re.compile(
     r"Input should|valid (integer|number|boolean|string|dictionary|list)|unable to|Value error|union|validation|"
     r"pydantic|should have|at most \d+ after|Field |NoneType|<class|Traceback|\b(dict|str|bool|float|int)\b|"
@@ -113,19 +149,21 @@ def test_the_walk_meets_every_field():
     for data in (full_data(), *map(full_data, OTHERS)):
         assert load_text(written(data), "full.yaml", (), broken.METHODS).reference.source == "a book"
         keys |= {path[-1] for path in paths(data)}
-    known = {key for model in models(Spec) for key in model.model_fields}
+    known = {field.alias or key for model in models(Spec) for key, field in model.model_fields.items()}
     assert known - keys == {"model"}
 
 
 @pytest.mark.parametrize("value", WRONG.values(), ids=WRONG.keys())
 def test_no_message_is_foreign(value):
     full = full_data()
-    for path in paths(full):
-        data = replaced(full, path, value)
+    phased = full_data("phases")
+    of_phases = [path for path in paths(phased) if path[0] in ("phases", "links")]
+    for path in [*paths(full), *of_phases]:
+        data = replaced(phased if path[0] in ("phases", "links") else full, path, value)
         try:
             load_text(written(data), "full.yaml", (), broken.METHODS)
         except SpecError as error:
-            known = {tuple(map(str, known)) for known in paths(data)} | {()}
+            known = {tuple(".".join(map(str, known)).split(".")) for known in paths(data)} | {()}
             for mistake in error.mistakes:
                 assert mistake.what and mistake.remedy, mistake
                 assert not FOREIGN.search(f"{mistake.what}; {mistake.remedy}"), (path, str(mistake))

@@ -21,7 +21,7 @@ FILES = shipped()
 def test_a_few_lines_with_the_names_of_the_problem(name):
     spec = load(FILES[name])
     problem = build(spec)
-    for shown in (repr(spec), str(spec), repr(problem), str(problem), repr(problem.phases)):
+    for shown in (repr(spec), str(spec), repr(problem), str(problem), *map(repr, problem.phases)):
         assert len(shown.splitlines()) <= 5
         assert max(map(len, shown.splitlines())) < 400
     assert spec.name in repr(spec) and spec.mesh[0].method in repr(spec)

@@ -8,7 +8,7 @@ from command_line import trajopt
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
-from trajopt.transcription.starts import CHANGES, other_starts, without_effect
+from trajopt.transcription.starts.other import CHANGES, other_starts, without_effect
 
 TOO_SHORT = """
 trajopt: 1

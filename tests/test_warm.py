@@ -7,8 +7,8 @@ from named import problem_named
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
+from trajopt.transcription.starts.warm import Solved, warm_start
 from trajopt.transcription.transcribe import transcribe
-from trajopt.transcription.warm import Solved, warm_start
 
 PROBLEMS = ("cartpole", "van_der_pol", "bryson_denham", "block_move_min_force", "brachistochrone", "shot_put")
 METHODS = ("hermite-simpson", "trapezoid", "hermite-simpson-compressed")

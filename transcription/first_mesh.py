@@ -9,11 +9,12 @@ from dataclasses import replace
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.relax import explain
-from .one_mesh import Found, Limit, Origin, Watch, solve_mesh
+from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
-from .starts import other_starts, without_effect
+from .starts.drawn import drawn_starts, told
+from .starts.other import other_starts, without_effect
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -47,6 +48,8 @@ def solve_first_mesh(
 
     problem, meshes, tolerance, settings, start, watch: as of `solve_mesh`.
     """
+    if settings.starts and start.guess is None:
+        return _doubted(_of_many(problem, meshes, tolerance, settings, start, watch))
     began = time.monotonic()
     best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
@@ -62,6 +65,23 @@ def solve_first_mesh(
     if _may_contradict(best[0], settings):
         best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop), start.guess)
     return _doubted(best)
+
+
+def _of_many(
+    problem: Problem, meshes: list[Mesh], tolerance: float, settings: Settings, start: Origin, watch: Watch
+) -> Found:
+    """The best solution from the problem's own start and from drawn ones; which optima there are is its note."""
+    best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
+    objectives = [best[0].objective if best[0].status.usable else None]
+    for guesses in drawn_starts(problem, settings.starts, settings.seed):
+        if watch.stop and watch.stop():
+            break
+        found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guesses), watch)
+        objectives.append(found[0].objective if found[0].status.usable else None)
+        one, other = (found, best) if _better(found[0], best[0], problem.sense) else (best, found)
+        records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
+        best = replace(one[0], meshes=records), one[1]
+    return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
 
 
 def _may_contradict(failed: Solution, settings: Settings) -> bool:

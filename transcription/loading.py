@@ -90,6 +90,7 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
     Raises SpecError with all that cannot be transcribed, in any of the files.
     """
     from ..problems.build import build_all
+    from .continuation import way_of
     from .settings import schedule_of
     from .solve import planned
 
@@ -100,6 +101,7 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
             with located(spec):
                 built.append(build_all(spec))
                 planned(built[-1], schedule_of(spec))
+            way_of(spec)
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -25,8 +25,8 @@ from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
+from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
-from .warm import Solved, warm_start
 
 LARGE, COARSE = 400, 100
 """Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
@@ -196,11 +196,15 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
         return found
     better, again = _measured(solved.transcription, nlp, outcome, tolerance, [began] * 3 + [time.perf_counter()])
-    return replace(better, meshes=(*solution.meshes[:-1], _added(solution.meshes[-1], better.meshes[-1]))), again
+    return replace(better, meshes=(*solution.meshes[:-1], added(solution.meshes[-1], better.meshes[-1]))), again
 
 
-def _added(first: MeshRecord, second: MeshRecord) -> MeshRecord:
-    """The record of two solves on one mesh: the second's solution, the work of both."""
+def added(first: MeshRecord, second: MeshRecord) -> MeshRecord:
+    """The record of two solves on one mesh: the second's solution, the work of both.
+
+    first: its work counts.
+    second: its work and what it led to.
+    """
     seconds = {part: first.seconds[part] + second.seconds[part] for part in first.seconds}
     return replace(second, iterations=first.iterations + second.iterations, seconds=seconds)
 

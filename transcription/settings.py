@@ -69,7 +69,7 @@ class Settings:
     """How to solve: the engine, its options, whether IPOPT's looser tolerance counts as solved (ACCEPTABLE), and
     whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
     scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
-    seconds: time limit for all meshes, or None.
+    seconds: time limit for all meshes, or None. starts: how many are drawn beside the problem's own; seed: of these.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -79,6 +79,8 @@ class Settings:
     scaling: Mapping[str, float] | None = None
     coarse_start: bool = True
     seconds: float | None = None
+    starts: int = 0
+    seed: int = 0
 
 
 DEFAULT = Settings()
@@ -94,6 +96,8 @@ def settings_of(spec: Spec) -> Settings:
         scaling=_scaling(spec),
         coarse_start=spec.solver.coarse_start,
         seconds=spec.solver.seconds,
+        starts=spec.solver.starts,
+        seed=spec.solver.seed,
     )
 
 

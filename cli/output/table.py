@@ -45,6 +45,7 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
         yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
     yield from (("note", note) for note in summary["notes"])
+    yield from (("on the way", step) for step in summary["continuation"][:-1])
     if summary["stopped"]:
         yield "stopped", summary["stopped"]
     if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:

@@ -40,6 +40,10 @@ Accuracy = Annotated[
 TimeLimit = Annotated[
     str | None, typer.Option("--time-limit", metavar="SECONDS", help="Stop by then; keep what is solved.")
 ]
+Starts = Annotated[
+    str | None, typer.Option("--starts", metavar="N", help="Also from N starts drawn within the bounds.")
+]
+Seed = Annotated[str | None, typer.Option("--seed", metavar="N", help="Of the drawn starts; 0 if not given.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[
     Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")
@@ -60,6 +64,8 @@ def solve(
     time_limit: TimeLimit = None,
     accuracy: Accuracy = None,
     guess: GuessFile = None,
+    starts: Starts = None,
+    seed: Seed = None,
     json_: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -73,7 +79,7 @@ def solve(
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved. FILE may be - for standard input, whose result goes to stdin.h5.
     """
-    given = overrides(set_, method, segments, tol, refine, time_limit, accuracy)
+    given = overrides(set_, method, segments, tol, refine, time_limit, accuracy, starts, seed)
     specs = load_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
@@ -143,14 +149,13 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
 
 
 def _solved(job: _Job, stop: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
-    from ...transcription.settings import schedule_of, settings_of
-    from ...transcription.solve import solve as run
+    from ...transcription.continuation import solve_spec
     from ..output.progress import live_line, print_iteration
 
-    spec, schedule, settings = job.spec, schedule_of(job.spec), settings_of(job.spec)
+    spec = job.spec
     with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
         progress = print_iteration if verbose else line
-        return run(job.problems, schedule, settings, guess=job.guess, progress=progress, stop=stop)
+        return solve_spec(spec, job.problems, guess=job.guess, progress=progress, stop=stop)
 
 
 def _kept(job: _Job, solution: Solution) -> Path:

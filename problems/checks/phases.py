@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 from collections.abc import Iterator, Mapping
 
 from ..expressions.expression import Expression
@@ -78,7 +79,7 @@ def _structure(spec: Spec) -> Iterator[Finding]:
         yield Finding(("waypoints",), "two waypoints have one name", "give each its own name")
     for i, name in enumerate(names):
         path: Path = ("phases", name) if spec.phases else ("waypoints", i, "name")
-        if trouble := name_trouble(name):
+        if trouble := name_trouble(name, keyword.kwlist):
             yield Finding(path, *trouble)
     yield from _waypoints(spec)
     for i, link in enumerate(spec.links):

@@ -52,17 +52,23 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     own = own_entries(spec).get(phase)
     if own is None or not path:
         return path
-    if path[0] == "constraints" and len(path) > 2 and isinstance(path[2], int):
-        shared = len(spec.constraints.path) if path[1] == "path" else 0
-        if path[1] == "path" and path[2] < shared:
-            return path
-        return ("phases", phase, "constraints", path[1], path[2] - shared, *path[3:])
-    where = _waypoint(spec, phase, path)
-    if where is not None:
-        return where
+    if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):
+        return home(spec, before, ("time", "final", *path[2:]))
+    if (found := _constraint(spec, phase, path) or _waypoint(spec, phase, path)) is not None:
+        return found
     if path[-1] == "lower" and not _given(own, path) and _given(own, upper := (*path[:-1], "upper")):
         return ("phases", phase, *upper)  # what is above it, is the phase's
     return ("phases", phase, *path) if _given(own, path) else path
+
+
+def _constraint(spec: Spec, phase: str, path: Path) -> Path | None:
+    """The place of a constraint: path constraints of the top level come first in every phase."""
+    if path[0] != "constraints" or len(path) < 3 or not isinstance(path[2], int):
+        return None
+    shared = len(spec.constraints.path) if path[1] == "path" else 0
+    if path[2] < shared:
+        return path
+    return ("phases", phase, "constraints", path[1], path[2] - shared, *path[3:])
 
 
 def _waypoint(spec: Spec, phase: str, path: Path) -> Path | None:

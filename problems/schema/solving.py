@@ -12,6 +12,8 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
+MAX_STARTS = 10_000
+MAX_STEPS = 1000  # of a continuation
 MAX_AXES, MAX_CASES, MAX_SEED = 20, 1_000_000, 2**32 - 1
 """Of a sweep."""
 DEFAULT_METHOD, DEFAULT_SEGMENTS = "radau", 10
@@ -36,9 +38,11 @@ if TYPE_CHECKING:
     Substeps = int
     Meshes = int
     Cases = int
+    Starts = int
     Seed = int
 else:
     Substeps, Meshes = _whole_number(MAX_SUBSTEPS, "substeps"), _whole_number(MAX_MESHES, "meshes")
+    Starts = _whole_number(MAX_STARTS, "starts", smallest=0)
     Cases, Seed = _whole_number(MAX_CASES, "cases"), _whole_number(MAX_SEED, "a sample", smallest=0)
 
 
@@ -133,6 +137,9 @@ class Solver(Entry):
     seconds: Number | None = Field(
         None, description="time limit for all meshes, in seconds; the last mesh that was solved is kept; default none"
     )
+
+    starts: Starts = Field(0, description="number of starts drawn within the bounds, beside the guess; default 0")
+    seed: Seed = Field(0, description="whole number that the drawn starts depend on; default 0")
 
     @field_validator("seconds")
     @classmethod

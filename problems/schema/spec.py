@@ -7,7 +7,7 @@ here is a mistake. A value that may be computed is a `Formula`: a number or an e
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 from pydantic.json_schema import GenerateJsonSchema
@@ -18,10 +18,21 @@ from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
-from .fields import MAX_TAGS, Entry, Formula, Scaling, Tag, Text, mistake
+from .fields import MAX_TAGS, Entry, Formula, Number, Scaling, Tag, Text, mistake
 from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
-from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, MAX_MESHES, MeshEntry, Reference, RefineEntry, Solver, Sweep
+from .solving import (
+    DEFAULT_METHOD,
+    DEFAULT_SEGMENTS,
+    MAX_AXES,
+    MAX_MESHES,
+    MAX_STEPS,
+    MeshEntry,
+    Reference,
+    RefineEntry,
+    Solver,
+    Sweep,
+)
 
 
 def _alternatives(schema: dict[str, Any]) -> None:
@@ -109,6 +120,11 @@ class Spec(Entry):
         description="schedule: each entry starts from the solution before it; left out, the mesh is chosen and refined",
     )
     solver: Solver = Field(Solver(), description="engine, accept, coarse_start, options of the engine such as max_iter")
+    continuation: dict[str, Annotated[list[Number], Field(min_length=1, max_length=MAX_STEPS)]] = Field(
+        {},
+        max_length=MAX_AXES,
+        description="path of a number -> the values to go through on the way to the one in the file",
+    )
     reference: Reference | None = Field(None, description="known objective to compare with")
     sweep: Sweep | None = Field(None, description="what `trajopt sweep` varies: {over, zip, sample, seed, chain}")
 
@@ -158,6 +174,10 @@ class Spec(Entry):
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
         """Mistakes found later, whose `where` is a path such as solver.max_iter, with their line in the file."""
         return self._locations.locate(mistakes)
+
+    def locate_findings(self, findings: Iterable[Finding]) -> list[Mistake]:
+        """Mistakes found later, at paths in the file, with their line in it."""
+        return list(self._locations.mistakes(findings))
 
     @property
     def overrides(self) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings
 from ...transcription.solution.objective_error import ObjectiveError
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.starts import other_starts
+from ...transcription.starts.other import other_starts
 from ..file.reload import Reloaded
 from .check import Check
 from .trajectory import between_points

@@ -51,6 +51,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "stopped": solver["stopped"],
         "notes": list(solver.get("notes", ())),  # results of older versions have none
         "relief": list(solver.get("relief", ())),
+        "continuation": list(solver.get("continuation", ())),
         "inaccurate": missed,
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),

@@ -26,7 +26,8 @@
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
-                               itself), scaling (sizes of the automatic one, JSON)
+                               itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
+                               the way, in words)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -277,6 +278,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["stopped"] = solution.stopped
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
+    group.attrs["continuation"] = texts(map(str, solution.continuation))
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from ...problems.build import build_all
 from ...problems.problem import Guess
+from ...transcription.continuation import solve_spec
 from ...transcription.loading import located
-from ...transcription.settings import schedule_of, settings_of
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.solve import solve as run
 from ..file.guess import guess_from
 from ..file.reload import reload
 from ..file.summary import causes, summarize
@@ -51,7 +50,7 @@ def solve(
     with python_words():
         start = _start(guess, problem)
         with located(spec):
-            solution = run(stages, schedule_of(spec), settings_of(spec), guess=start, progress=progress, stop=stop)
+            solution = solve_spec(spec, stages, guess=start, progress=progress, stop=stop)
     return SolutionView(
         problem=problem,
         solved=solution.solved,

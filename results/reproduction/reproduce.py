@@ -16,8 +16,7 @@ from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import check_writable, replacing
 from ...problems.load import load
 from ...problems.text import did_you_mean
-from ...transcription.settings import schedule_of, settings_of
-from ...transcription.solve import solve
+from ...transcription.continuation import solve_spec
 from ..file.read import read
 from ..file.summary import summarize
 from ..file.write import check_target, write
@@ -136,7 +135,7 @@ def _solve(
 def _run(run: Run, path: Path, command: str) -> SolvedRun:
     spec = load(find_problem(run.problem), run.overrides)
     check_target(path, spec.name)
-    solution = solve(build_all(spec), schedule_of(spec), settings_of(spec))
+    solution = solve_spec(spec, build_all(spec))
     write(path, solution, spec.text, spec.model_dump_json(), command)
     meshes = summarize(path)["meshes"]
     seconds = tuple(sum(mesh["seconds"].values()) for mesh in meshes)

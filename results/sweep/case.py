@@ -19,10 +19,9 @@ from ...problems.errors import SpecError
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
 from ...problems.text import short_repr
+from ...transcription.continuation import solve_spec
 from ...transcription.loading import build_checked, load_yaml, located
-from ...transcription.settings import schedule_of, settings_of
 from ...transcription.solution.solution import Solution
-from ...transcription.solve import solve
 from ..file.guess import adapted
 from ..file.summary import causes, plain
 from ..file.write import image_of
@@ -120,15 +119,14 @@ def _solved(task: Task) -> Answer:
 
 def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, str]:
     """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
-    schedule, settings = schedule_of(spec), settings_of(spec)
     if task.origin:
         neighbour, curves = task.origin
         phases = problems[0].phases
         guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
-        solution = solve(problems, schedule, settings, guess=guess, stop=_stop)
+        solution = solve_spec(spec, problems, guess=guess, stop=_stop)
         if solution.solved or _stop():
             return solution, f"case {neighbour}"
-    return solve(problems, schedule, settings, stop=_stop), "guess"
+    return solve_spec(spec, problems, stop=_stop), "guess"
 
 
 def _key(spec: Spec, overrides: list[str]) -> str:

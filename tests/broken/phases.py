@@ -43,7 +43,7 @@ edit, walk = edits(LAUNCH), edits(WALK)
 
 PHASES = [
     edit("a phase of no name", "  first:\n", "  1st:\n", "phases.1st", "use a letter"),
-    edit("a phase of a reserved name", "  first:\n", "  time:\n", "phases.time", "meaning of its own"),
+    edit("a phase of a reserved name", "  first:\n", "  for:\n", "phases.for", "meaning of its own"),
     edit("a phase that is a number", "    time: {final: 60}", "    time: 3", "phases.first.time", "must be a mapping"),
     edit("a misspelt key of a phase", "    mesh: [", "    mehs: [", "phases.second.mehs", "did you mean mesh?"),
     edit("a key of the file in a phase", "    mesh: [", "    solver: [", "phases.second.solver", "the keys here are"),

@@ -24,7 +24,7 @@ from ..program.contract import NonlinearProgram
 from ..schemes.mesh import Mesh
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import times_at, when_between
-from ..starts import other_starts
+from ..starts.other import other_starts
 from ..transcribe import program
 from .elastic import ElasticProgram, Soft
 from .soft import soft_constraints

@@ -51,6 +51,21 @@ class MeshRecord:
         return sum(mesh.segments for mesh in self.grids)
 
 
+@dataclass(frozen=True)
+class ContinuationStep:
+    """One solve on the way of a continuation: path -> value, and what it led to; objective NaN where it failed."""
+
+    values: Mapping[str, float]
+    status: Status
+    objective: float
+    iterations: int
+
+    def __str__(self) -> str:
+        where = ", ".join(f"{path} = {value:.6g}" for path, value in self.values.items())
+        outcome = f"objective {self.objective:.8g}" if self.status.usable else self.status.message
+        return f"{where}: {outcome}, {self.iterations} iterations"
+
+
 @short_repr
 @dataclass(frozen=True)
 class Solution:
@@ -59,7 +74,8 @@ class Solution:
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
-    problem that contradicts itself would have to give way, in words: each would do by itself.
+    problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
+    on the way to this problem, itself the last.
     """
 
     problem: Problem
@@ -77,6 +93,7 @@ class Solution:
     stopped: str = ""
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
+    continuation: tuple[ContinuationStep, ...] = ()
 
     @property
     def solved(self) -> bool:

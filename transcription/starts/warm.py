@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problems.text import short_repr
-from .constraint_kinds import Multiplier
-from .engines.outcome import Outcome, Start
-from .layout import BETWEEN, Family, Layout, Transcription
-from .program.contract import NonlinearProgram
-from .solution.trajectory import Trajectory
+from ...problems.text import short_repr
+from ..constraint_kinds import Multiplier
+from ..engines.outcome import Outcome, Start
+from ..layout import BETWEEN, Family, Layout, Transcription
+from ..program.contract import NonlinearProgram
+from ..solution.trajectory import Trajectory
 
 
 @short_repr

@@ -7,18 +7,18 @@ stop at a stationary point that is no optimum.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problems.expressions.structure import form_of
-from ..problems.probe import depends_on
-from ..problems.problem import Curves, Guess, Phase, Problem, Variable
-from .program.alone import building
-from .program.pointwise import compiled_values
+from ...problems.expressions.structure import form_of
+from ...problems.probe import depends_on
+from ...problems.problem import Curves, Guess, Phase, Problem, Variable
+from ..program.alone import building
+from ..program.pointwise import compiled_values
 
 POINTS = 101
 """Of a simulated trajectory."""
@@ -84,16 +84,30 @@ def _changed(phase: Phase, change: _Change) -> Guess:
         guess = replace(guess, final_time=phase.final_time.clip(final))
     if change.level is None or not phase.controls:
         return guess
+    levels = {control.name: np.full(POINTS, at_level(control, change.level)) for control in phase.controls}
+    return under_controls(phase, guess, levels)
+
+
+def under_controls(phase: Phase, guess: Guess, controls: Mapping[str, np.ndarray]) -> Guess:
+    """A guess with other controls, and the states simulated under them unless there are algebraic variables.
+
+    phase: one with controls.
+    guess: its times and initial states are kept.
+    controls: name of each -> its values at POINTS equally spaced times, shape (POINTS,).
+    """
     s = np.linspace(0.0, 1.0, POINTS)
-    values = guess.samples(s)
-    for control in phase.controls:
-        values[control.name] = np.full(POINTS, _at_level(control, change.level))
+    values = guess.samples(s) | dict(controls)
     if not phase.algebraic:
         values |= _simulated(phase, guess, s, values)
     return replace(guess, s=s, values=values)
 
 
-def _at_level(control: Variable, level: float) -> float:
+def at_level(control: Variable, level: float) -> float:
+    """The value of a control at a level from -1 to 1 within its bounds; without two bounds, twice the level, clipped.
+
+    control: with its bounds.
+    level: 0 for the middle of the bounds.
+    """
     lower, upper = control.bounds.lower, control.bounds.upper
     if isfinite(lower) and isfinite(upper):
         return (lower + upper) / 2 + level * (upper - lower) / 2

@@ -1,0 +1,146 @@
+"""Getting to a hard problem through easier ones: a schedule of values, each solved from the solution before it.
+
+The last values are those of the file. Where a solve fails, the step is halved; after two that do not, it is doubled
+up to a whole step of the schedule (Kelly 2017, section 5.1 and 5.5: solve an easier problem first). On the way the
+first mesh is enough; the problem of the file itself is solved as the file asks.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, floor
+from typing import Any
+
+import numpy as np
+
+from ..problems.build import build_all
+from ..problems.errors import SpecError
+from ..problems.load import load_text
+from ..problems.problem import Curves, Problem
+from ..problems.schema.spec import Spec
+from ..problems.yaml.locations import Finding
+from .settings import schedule_of, settings_of
+from .solution.solution import ContinuationStep, Solution
+from .solve import solve
+
+SMALLEST = 1 / 64
+"""Of a step of the schedule: where it would be smaller, the way ends."""
+
+Progress = Callable[[int, dict], None] | None
+Stop = Callable[[], bool] | None
+
+
+def solve_spec(
+    spec: Spec,
+    problems: Sequence[Problem],
+    *,
+    guess: Sequence[Curves] | None = None,
+    progress: Progress = None,
+    stop: Stop = None,
+) -> Solution:
+    """Solve the problem of a file, through the problems of its `continuation:` if it has one.
+
+    spec: of the file.
+    problems: one for each entry of its mesh schedule.
+    guess, progress, stop: as of `solve.solve`; with a guess there is no continuation.
+
+    Raises SpecError as `solve.solve` does.
+    """
+    if not spec.continuation or guess is not None:
+        return solve(problems, schedule_of(spec), settings_of(spec), guess=guess, progress=progress, stop=stop)
+    return _Way(spec, problems, progress, stop).walked()
+
+
+def way_of(spec: Spec) -> dict[str, list[float]]:
+    """Path -> the values to go through, the file's own the last.
+
+    Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
+    """
+    data = json.loads(spec.model_dump_json())
+    way, wrong = {}, []
+    for path, values in spec.continuation.items():
+        own = _number_at(data, path)
+        if own is None:
+            what = f"{path} is no number in this file, so there is nothing to go through"
+            wrong.append(Finding(("continuation", path), what, "name a number, such as parameters.g"))
+        else:
+            way[path] = [*values, own] if values[-1] != own else list(values)
+    if not wrong and len({len(values) for values in way.values()}) > 1:
+        what = "the lists of values do not have one length, the values of the file counted"
+        wrong.append(Finding(("continuation",), what, "give all of them the same number of values"))
+    for k in range(0 if wrong or not way else len(next(iter(way.values()))) - 1):
+        try:
+            _at(spec, {path: values[k] for path, values in way.items()})
+        except SpecError as error:
+            told = "; ".join(f"{m.what}" for m in error.mistakes[:2])
+            wrong.append(
+                Finding(("continuation",), f"with the values {k + 1} of the lists: {told}", "change these values")
+            )
+    if wrong:
+        raise SpecError(spec.locate_findings(wrong))
+    return way
+
+
+def _number_at(data: Any, path: str) -> float | None:
+    for step in path.split("."):
+        if isinstance(data, list):
+            data = data[int(step)] if step.isdigit() and int(step) < len(data) else None
+        else:
+            data = data.get(step) if isinstance(data, dict) else None
+    data = data.get("value") if isinstance(data, dict) else data
+    return float(data) if isinstance(data, int | float) and not isinstance(data, bool) else None
+
+
+def _at(spec: Spec, values: Mapping[str, float]) -> Spec:
+    """The file with other values, solved on its first mesh only."""
+    return load_text(spec.model_dump_json(), spec.file, [f"{path}={value!r}" for path, value in values.items()])
+
+
+@dataclass
+class _Way:
+    """spec, problems: of the file. steps: those that are done."""
+
+    spec: Spec
+    problems: Sequence[Problem]
+    progress: Progress
+    stop: Stop
+
+    def __post_init__(self) -> None:
+        self.values = way_of(self.spec)
+        self.last = len(next(iter(self.values.values()))) - 1
+        self.steps: list[ContinuationStep] = []
+
+    def walked(self) -> Solution:
+        """The solution of the file's problem, or that of the first step that cannot be made."""
+        at, step, failed = 0.0, 1.0, False
+        solution = self._solved(0.0, None)
+        while solution.status.usable and at < self.last:
+            target = min(at + step, floor(at) + 1.0)
+            following = self._solved(target, solution.trajectories)
+            if following.status.usable:
+                at, solution = target, following
+                step, failed = step if failed else min(2 * step, 1.0), False
+                continue
+            step, failed = step / 2, True
+            if step < SMALLEST or (self.stop and self.stop()):
+                solution = following
+        return replace(solution, continuation=tuple(self.steps))
+
+    def _solved(self, at: float, guess: Sequence[Curves] | None) -> Solution:
+        """The solution at a place of the schedule, 0 for its first values, from the trajectories before."""
+        low, high = floor(at), ceil(at)
+        share = at - low
+        values = {path: own[low] + share * (own[high] - own[low]) for path, own in self.values.items()}
+        if at == self.last:
+            problems, schedule, settings = list(self.problems), schedule_of(self.spec), settings_of(self.spec)
+        else:
+            spec = _at(self.spec, values)
+            problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
+            settings = replace(settings_of(spec), refine=None, starts=0)
+        solution = solve(problems, schedule, settings, guess=guess, progress=self.progress, stop=self.stop)
+        iterations = sum(mesh.iterations for mesh in solution.meshes)
+        objective = solution.objective if solution.status.usable else np.nan
+        self.steps.append(ContinuationStep(values, solution.status, objective, iterations))
+        return solution
