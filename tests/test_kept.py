@@ -141,6 +141,19 @@ def test_no_more_programs_are_kept_than_told():
     assert program(problem, [Mesh.of(GAUSS, 1)]).nlp.seconds["differentiate"] > 0
 
 
+def test_large_programs_push_out_others_and_too_large_ones_are_not_kept(monkeypatch):
+    problem = build(load_text(POWERS, "powers.yaml"))
+    sizes = {n: program(problem, [Mesh.of(GAUSS, n)]).nlp.n for n in (2, 3, 4)}
+    monkeypatch.setattr(kept, "UNKNOWNS", sizes[3] + sizes[4])
+    program(problem, [Mesh.of(GAUSS, 40)])
+    for segments in (2, 3, 4):
+        program(problem, [Mesh.of(GAUSS, segments)])
+    program(problem, [Mesh.of(GAUSS, 5)])  # no room for 4 beside it, as 3 + 4 are all
+    assert sum(own.nlp.n for own in kept._kept.values()) <= sizes[3] + sizes[4]
+    assert program(problem, [Mesh.of(GAUSS, 5)]).nlp.seconds["differentiate"] == 0
+    assert program(problem, [Mesh.of(GAUSS, 40)]).nlp.seconds["differentiate"] > 0
+
+
 def objective(mass):
     spec = load(shipped()["cartpole"], [f"parameters.m1={mass}"])
     return solve(build(spec), schedule_of(spec), settings_of(spec)).objective

@@ -2,8 +2,8 @@
 
     python tests/benchmarks/phases.py --segments 25 100 1000 --repeats 5
 
-Each run is a process of its own, `trajopt solve`, from start to end, and the two take turns. The ratio is of CPU seconds,
-two phases over one, pair by pair; its median is what counts.
+Each run is a process of its own, `trajopt solve`, from start to end, and the two take turns. The ratio is of CPU
+seconds, two phases over one, pair by pair; its median is what counts.
 """
 
 from __future__ import annotations

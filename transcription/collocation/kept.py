@@ -30,8 +30,8 @@ from ..schemes.mesh import Mesh
 from .forms import GROUPS, Forms, forms_of
 from .model import by_segments, compiled_model
 
-MOST, LARGEST = 16, 20_000
-"""Programs that are kept, and unknowns of one: each holds its Pyomo model, some 2 kB for each unknown."""
+MOST, UNKNOWNS = 16, 50_000
+"""Programs that are kept, and the unknowns of all of them: with its Pyomo model each takes 1 kB for an unknown."""
 
 EQUAL = Range(0.0, 0.0)
 
@@ -66,10 +66,10 @@ def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -
     transcription = by_segments(problem, meshes, guess, templates=True)
     built = time.perf_counter()
     nlp = compiled_model(transcription)
-    if nlp.n <= LARGEST and (new := _kept_as(transcription, nlp, forms, guess)):
+    if nlp.n <= UNKNOWNS and (new := _kept_as(transcription, nlp, forms, guess)):
         with LOCK:
             _kept[key] = new
-            while len(_kept) > MOST:
+            while len(_kept) > MOST or sum(own.nlp.n for own in _kept.values()) > UNKNOWNS:
                 _kept.popitem(last=False)
     return Program(transcription, nlp, built)
 
