@@ -9,12 +9,13 @@ from .guess import initial_guess
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
+from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import phase_specs
 from .phases.order import own_entries
-from .problem import Constraint, Function, Phase, Problem, Range, State, Variable
+from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
 
@@ -75,7 +76,7 @@ class _Builder:
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
         written = self.written_constraints()
-        return Phase(
+        phase = Phase(
             name=self.name,
             initial_time=times[0],
             final_time=times[1],
@@ -94,14 +95,20 @@ class _Builder:
             time_unit=spec.time.unit,
             outputs=self.outputs(),
         )
+        return within_tables(phase)
 
-    def outputs(self) -> dict[str, Function]:
+    def outputs(self) -> dict[str, Output]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.
 
         abs, min and max in them are these functions themselves, not what stands for them in the equations.
         """
-        definitions = self.symbols.definitions
-        return {name: self.symbols.function(definitions[name]) for name in definitions if name in self.symbols.varying}
+        written, definitions = self.spec.expressions, self.symbols.definitions
+        units = {name: written[name].unit for name in definitions if name in written}
+        return {
+            name: Output(self.symbols.function(definitions[name]), units.get(name, ""))
+            for name in definitions
+            if name in self.symbols.varying
+        }
 
     def term(self, name: str) -> Expression | None:
         """A term of the objective: "integral" or "terminal"."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,14 @@ from .errors import FileError, Mistake, SpecError
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
-from .schema.fields import STORED
+from .schema.fields import STORED, TABLES
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
+from .schema.tables import table_names
+from .tables.files import read_files
 from .text import brief, nearest, printable
-from .yaml.document import MAX_BYTES, decode, read_document
+from .yaml.document import MAX_BYTES, decode, dotted, read_document
+from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
 
@@ -53,7 +55,8 @@ def load(
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
-    return load_text(_read(Path(source)), str(source), overrides, methods, options)
+    source = Path(source)
+    return load_text(_read(source), str(source), overrides, methods, options, source.parent)
 
 
 def load_text(
@@ -62,12 +65,14 @@ def load_text(
     overrides: Sequence[str] = (),
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
+    folder: Path | None = None,
 ) -> Spec:
     """As `load`, from a text.
 
     text: YAML.
     file: the name used in messages; without its suffix, the name of a problem that gives none.
     overrides, methods, options: as `load` takes them.
+    folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
     phased = bool(document.data.get("phases") or document.data.get("waypoints"))
@@ -91,8 +96,11 @@ def load_text(
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
         early.append(NO_STATES)
+    context = {"methods": tuple(methods), TABLES: table_names(data)}
+    unread = read_files(data, folder)
+    early += unread
     try:
-        spec = Spec.model_validate(data, context={"methods": tuple(methods)})
+        spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
         found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
@@ -161,20 +169,40 @@ def _default_tolerance(data: dict[str, Any]) -> list[Finding]:
     return []
 
 
-def load_stored(text: str, file: str) -> Spec:
-    """The spec that a result holds: full, and checked when it was solved, so its options may be the command line's.
+def load_stored(data: Mapping[str, Any], file: str) -> Spec:
+    """The spec that a result holds, full; a result is foreign data, so it is checked as a problem file is.
 
-    text: JSON.
+    data: plain, nested no deeper than Python can follow.
     file: the result, for messages.
 
-    Raises FileError if it is no spec of this version.
+    What only the command line may set is left out: nobody has given it on this one. Raises FileError if it is no spec
+    of this version.
     """
+    solver, locations = data.get("solver"), Locations(file, dict.fromkeys(_paths(data), 1))
+    if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
+        data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
-        spec = Spec.model_validate(json.loads(text), context={STORED: True})
-    except ValueError as error:  # of the JSON, or of the schema
-        what = "the problem that it holds cannot be read"
-        raise FileError(Mistake(file, what, "solve the problem anew with this version of trajopt")) from error
-    return spec.attach(text, Locations(file, {}), [])
+        spec = Spec.model_validate(data, context={STORED: True, TABLES: table_names(data)})
+        errors, _ = check_spec(spec)
+    except ValidationError as error:
+        raise _unreadable(messages.findings(error, locations)[0], file) from error
+    if errors:
+        raise _unreadable(errors[0], file)
+    return spec.attach(spec.model_dump_json(), Locations(file, {}), [])
+
+
+def _paths(node: Any, path: Place = ()) -> Iterator[Place]:
+    """The paths of all that stands in plain data."""
+    yield path
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in items:
+        yield from _paths(value, (*path, key))
+
+
+def _unreadable(first: Finding, file: str) -> FileError:
+    told = ": ".join(filter(None, [dotted(first.path), first.what]))
+    what = f"the problem that it holds cannot be read ({told})"
+    return FileError(Mistake(file, what, "solve the problem anew with this version of trajopt"))
 
 
 def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:

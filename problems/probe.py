@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .problem import Function
 
+if TYPE_CHECKING:  # tables import SciPy
+    from .tables.table import Table
+
 SAMPLES = 8
+
+
+class _Anywhere:
+    """NumPy, but a table of data is something that changes with all of its arguments, wherever its points are."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(np, name)
+
+    def table_value(self, table: Table, operands: Sequence[Any]) -> Any:
+        return sum(np.sin((i + 1.0) * operand) for i, operand in enumerate(operands))
+
+
+_ANYWHERE = _Anywhere()
 
 
 class _Asked(dict[str, np.ndarray]):
@@ -27,7 +44,7 @@ def names_asked(function: Function) -> set[str]:
     """The names of the values that a function looks up."""
     asked = _Asked()
     with np.errstate(all="ignore"):
-        function(asked, np)
+        function(asked, _ANYWHERE)
     return set(asked)
 
 
@@ -38,9 +55,9 @@ def depends_on(function: Function, names: Collection[str]) -> bool:
     """
     values = _Asked()
     with np.errstate(all="ignore"):
-        before = function(values, np)
+        before = function(values, _ANYWHERE)
         moved = {name: 1.0 - value if name in names else value for name, value in values.items()}
-        after = function(moved, np)
+        after = function(moved, _ANYWHERE)
     if moved.keys().isdisjoint(names):
         return False
     finite = np.isfinite(before) & np.isfinite(after)

@@ -113,6 +113,14 @@ class Constraint:
     bounds: Range
 
 
+@dataclass(frozen=True)
+class Output:
+    """A function over time, and its unit."""
+
+    function: Function
+    unit: str = ""
+
+
 class Curves(Protocol):
     """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.
 
@@ -155,7 +163,7 @@ class Phase:
     """One phase: its own time, states, controls and constraints.
 
     time_unit: the unit of time.
-    outputs: name -> function over time that no equation of the problem needs, for those who look at a solution.
+    outputs: name -> what no equation of the problem needs, for those who look at a solution.
     """
 
     name: str
@@ -172,7 +180,7 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
-    outputs: Mapping[str, Function] = field(default_factory=dict)
+    outputs: Mapping[str, Output] = field(default_factory=dict)
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
@@ -185,6 +193,18 @@ class Phase:
         named = [f"{kind} {_named(variables)}" for kind, variables in kinds.items() if variables]
         time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
+
+    @property
+    def over_time(self) -> tuple[Function, ...]:
+        """Every function of the values at one time that the problem needs."""
+        constraints = (*self.residuals, *self.path, *self.integral)
+        rates = (state.rate for state in self.states)
+        return (*rates, *(c.function for c in constraints), *([self.lagrange] if self.lagrange else []))
+
+    @property
+    def at_ends(self) -> tuple[Function, ...]:
+        """Every function of the values at both ends that the problem needs."""
+        return (*(c.function for c in self.boundary), *([self.mayer] if self.mayer else []))
 
     def arguments(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> dict[str, Any]:
         """What this phase's functions are called with: names -> arrays of shape (...).

@@ -10,8 +10,8 @@ from trajopt.transcription.schemes.scheme import Scheme
 from trajopt.transcription.schemes.table import METHODS, find
 
 SLOW = {
-    *("coulomb_friction", "free_flying_robot", "goddard", "goddard_speed_limit", "hang_glider", "quadrotor"),
-    *("reorientation", "delta_iii"),
+    *("coulomb_friction", "free_flying_robot", "goddard", "goddard_speed_limit", "hang_glider", "min_time_climb"),
+    *("quadrotor", "reorientation", "delta_iii"),
 }
 """Shipped problems that take more than some 3 s: solved only where TRAJOPT_SLOW is set."""
 

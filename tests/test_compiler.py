@@ -15,9 +15,9 @@ from pyomo.core.expr.visitor import identify_variables
 from pyomo_models import free, random_point, small, trajectory, two_phases
 
 from trajopt.transcription.program import machine_code
+from trajopt.transcription.program.backend import available_backend
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.program.contract import NotFinite
-from trajopt.transcription.program.machine_code import available_backend
 from trajopt.transcription.program.templates import TemplateError, templated
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import HERMITE_SIMPSON

@@ -321,3 +321,16 @@ def test_what_only_the_methods_know_is_told_of_the_phase():
     with pytest.raises(SpecError, match="needs second-order dynamics") as error:
         build_checked([load_yaml(MOVE, [differences])])
     assert [m.where for m in error.value.mistakes] == ["--set phases.first.mesh"]
+
+
+def test_tables_in_dynamics_and_links_of_phases():
+    """A link that a table scales, by points of a straight line: the same as the formula."""
+    table = "tables={f: {points: {x: [0, 0.3, 0.6, 1]}, values: [1, 1.3, 1.6, 2], outside: extrapolate}}"
+    jump = "{expression: '%s*second.v[initial] - first.v[final]', equals: 0}"
+    links = f"links=[{{from: first, to: second, except: [v]}}, {jump}]"
+    given = table, "phases.second.time.initial=0.5"
+    looked_up = solved(MOVE, *given, links % "f(second.x[initial])", "states.v.rate=u*f(x)")
+    written = solved(MOVE, *given, links % "(1 + second.x[initial])", "states.v.rate=u*(1 + x)")
+    assert looked_up.objective == pytest.approx(written.objective, rel=1e-8)
+    with pytest.raises(SpecError, match="argument"):
+        loaded(MOVE, *given, links % "f(second.x[initial], 2)")

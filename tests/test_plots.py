@@ -14,11 +14,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pictured import solved_in, titles
 from PIL import Image
 
+from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
+from trajopt.problems.load import load_text
 from trajopt.problems.problem import Range
 from trajopt.results.file.read import bounds_of, read
+from trajopt.results.file.summary import summarize
+from trajopt.results.file.write import write
 from trajopt.results.pictures import plots
 from trajopt.results.pictures.style import DPI, Numbers, drawn_by_us
+from trajopt.transcription.settings import steps
+from trajopt.transcription.solve import solve
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -66,7 +72,7 @@ def test_kinds_that_are_not_there_have_no_panel(solved, name, count):
 def test_result_without_algebraic_variables_and_costates(solved, folder):
     with h5py.File(solved("cartpole")) as source, h5py.File("old.h5", "w") as old:
         source.copy("/phase", old)
-        for group in ("mesh", "spec"):
+        for group in ("mesh", "spec", "solver"):
             source.copy(group, old)
         old.attrs.update(source.attrs)
         for grid in ("points", "dense"):
@@ -262,3 +268,34 @@ def test_a_home_that_cannot_be_written_is_no_trouble(solved, folder):
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("MPL", "XDG"))}
     done = process("plot", solved("cartpole"), "--only", "u", env=environment | {"HOME": "/proc"})
     assert (done.returncode, done.stdout, done.stderr) == (0, "cartpole.png\n", "")
+
+
+def test_outputs_and_path_constraints_are_stored_shown_and_drawn(tmp_path):
+    text = """
+trajopt: 1
+states: {x: {rate: v, unit: m, initial: 0, final: 1}, v: {rate: u, unit: m/s, initial: 0, final: 0}}
+controls: {u: {unit: m/s^2}}
+parameters: {half: 0.5}
+expressions: {power: {value: u*v, unit: W, note: mechanical}, twice: 2*power, fixed: 2*half}
+constraints: {path: [{name: bowl, expression: x + v, upper: 1.7}, {expression: v, upper: 9}]}
+time: {initial: 0, final: 1}
+objective: {minimize: {integral: u**2 + 0*twice}}
+mesh: [{method: hermite-simpson, segments: 10}]
+"""
+    spec = load_text(text, "x.yaml")
+    assert not [w for w in spec.warnings if "power" in w.what]  # an output is of use
+    solution = solve(build(spec), steps(spec.mesh))
+    path = tmp_path / "a.h5"
+    write(path, solution, spec.text, spec.model_dump_json(), "test")
+    phase = summarize(path)["phases"]["main"]
+    assert list(phase["outputs"]) == ["power", "twice"] and phase["outputs"]["power"]["unit"] == "W"
+    assert list(phase["path"]) == ["bowl"] and phase["path"]["bowl"]["max"] == pytest.approx(1.7, abs=1e-6)
+    result = read(path)
+    curves = result.phases[0].curves
+    np.testing.assert_allclose(curves["output"]["twice"].dense, 2 * curves["output"]["power"].dense)
+    x, v = (curves["state"][name].points for name in ("x", "v"))
+    np.testing.assert_allclose(curves["path"]["bowl"].points, x + v)
+    names = [ax.get_title(loc="left") for ax in plots.trajectory_figure(result, bounds_of(result.build()[0])).axes]
+    assert "power [W]" in names and "bowl" in names and "twice" not in names  # which has no unit
+    only = [ax.get_title(loc="left") for ax in plots.trajectory_figure(result, only=["twice"]).axes]
+    assert "twice" in only

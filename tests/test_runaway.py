@@ -64,3 +64,17 @@ def test_a_constraint_that_the_ends_imply():
 
 def test_independent_equations_name_nobody():
     assert named_dependent("") == ""
+
+
+@pytest.mark.parametrize(
+    ("division", "base"), [("1/g(x, 0.5)", "g(x, 0.5)"), ("1/(f(f(x) + 1) - 1e-9*u)", "f(1.0 + f(x)) - 1e-09*u")]
+)
+def test_a_division_by_a_table(division, base):
+    """The objective falls without limit as the table, x - 1, comes to zero from below."""
+    tables = (
+        "tables: {f: {points: {x: [0, 1, 2]}, values: [-1, 0, 1], outside: extrapolate}, "
+        "g: {points: {x: [0, 2], y: [0, 1]}, values: [[-1, -1], [1, 1]], outside: extrapolate}}"
+    )
+    solution = failed(problem(states="x: {rate: u, initial: 0.3}", objective=f'integral: "{division}"', extra=tables))
+    assert "the objective divides by " in solution.trouble and "which runs to zero" in solution.trouble
+    assert base in solution.trouble, solution.trouble

@@ -38,14 +38,17 @@ def members(file: h5py.File) -> list[str]:
 
 def curves(where: str, *kinds: str) -> list[str]:
     states, controls = ["x", "y", "vx", "vy"], []
-    own = {"state": states, "costate": states, "epsilon": states, "control": controls, "algebraic": []}
+    own = {"state": states, "costate": states, "epsilon": states, "control": controls}
+    own |= {"algebraic": [], "output": [], "path": []}
     return [where, *(f"{where}/{kind}" for kind in kinds), *(f"{where}/{k}/{n}" for k in kinds for n in own[k])]
 
 
 LAYOUT = [
     "spec", "spec/text", "spec/full", "phase", "phase/main", "phase/main/knots",
-    *curves("phase/main/points", "state", "control", "algebraic", "costate"), "phase/main/points/time",
-    *curves("phase/main/dense", "state", "control", "algebraic", "costate", "epsilon"), "phase/main/dense/time",
+    *curves("phase/main/points", "state", "control", "algebraic", "output", "path", "costate"),
+    "phase/main/points/time",
+    *curves("phase/main/dense", "state", "control", "algebraic", "output", "path", "costate", "epsilon"),
+    "phase/main/dense/time",
     "phase/main/error", "phase/main/error/eta", "phase/main/error/segment", "phase/main/error/state",
     "phase/main/error/relative", "phase/main/error/excess",
     "phase/main/parameter", "phase/main/parameter/angle",

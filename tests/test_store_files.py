@@ -11,8 +11,9 @@ from stored import save, solved
 
 from trajopt.problems.errors import FileError
 from trajopt.results.file import write as store
+from trajopt.results.file.door import FORMAT_VERSION, open_result
 from trajopt.results.file.summary import summarize
-from trajopt.results.file.write import check_target, open_result, write
+from trajopt.results.file.write import check_target, write
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
@@ -89,7 +90,7 @@ def test_other_hdf5_files_and_other_problems(tmp_path):
     with pytest.raises(FileError, match="another problem, 'shot put'"):
         check_target(path, "cart-pole swing-up")
     with h5py.File(path, "a") as file:
-        file.attrs["format_version"] = store.FORMAT_VERSION + 1
+        file.attrs["format_version"] = FORMAT_VERSION + 1
     with pytest.raises(FileError, match="update trajopt"):
         summarize(path)
     with h5py.File(path, "w") as file:

@@ -34,7 +34,7 @@ def solve(text: str, *arguments: str) -> None:
 
 def test_all_sections_have_an_example():
     later = ["algebraic", "residuals", "optimize", "constraints", "nonsmooth", "solver", "reference"]
-    assert ["tags", "expressions", *later] == EXAMPLES
+    assert ["tags", "expressions", "tables", *later] == EXAMPLES
 
 
 @pytest.mark.parametrize("key", EXAMPLES)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..problems.errors import Mistake, SpecError
@@ -42,13 +43,15 @@ def load_yaml(text: str, overrides: Sequence[str] = (), file: str = TEXT) -> Spe
 
     text: YAML.
     overrides: as of `load_file`.
-    file: the name used in messages; without its suffix, the name of a problem that gives none.
+    file: the name used in messages; without its suffix, the name of a problem that gives none. CSV files of tables are
+        looked for in its folder, if it is the name of a file.
     """
     from ..problems.load import load_text
     from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
-    return _with_methods_checked(load_text(text, file, overrides, tuple(METHODS), check_engine_options))
+    folder = None if file in (TEXT, STDIN) else Path(file).parent
+    return _with_methods_checked(load_text(text, file, overrides, tuple(METHODS), check_engine_options, folder))
 
 
 def _with_methods_checked(spec: Spec) -> Spec:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...problems.text import with_bar
 from ...results.file.summary import causes
-from .printing import cell, print_field, print_table, print_title
+from .printing import cell, one_line, print_field, print_table, print_title
 
 MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
 
@@ -43,7 +43,8 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
-        yield "refinement", f"{count} miss the tolerance; the worst: {summary['unmet'][0]}"
+        worst = "".join(f"; the worst: {own}" for own in summary["unmet"][:1])
+        yield "refinement", f"{count} miss the tolerance{worst}"
     yield from (("note", note) for note in summary["notes"])
     yield from (("on the way", step) for step in summary["continuation"][:-1])
     if summary["stopped"]:
@@ -63,18 +64,18 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _objective(summary: dict[str, Any]) -> str:
     """The objective with its error bar, and as many digits as that supports; without one, ten."""
-    bar = summary["objective_error"]
-    return _number(summary["objective"], 10) if bar is None else " +- ".join(with_bar(summary["objective"], bar))
+    value, bar = summary["objective"], summary["objective_error"]
+    return _number(value, 10) if bar is None or value is None else " +- ".join(with_bar(value, bar))
 
 
 def _optimum(summary: dict[str, Any]) -> Iterator[str]:
     """What else is known: a better value, where the digits of the bar show the difference; or why there is no bar."""
     objective, bar, better = (summary[key] for key in ("objective", "objective_error", "objective_corrected"))
-    if bar is None:
+    if bar is None or objective is None:
         yield f"no error bar: {summary['objective_error_missing']}"
         return
     last_digit = 10.0 ** math.floor(math.log10(float(with_bar(objective, bar)[1])))
-    if abs(better - objective) > last_digit:
+    if better is not None and abs(better - objective) > last_digit:
         yield f"nearer to {with_bar(better, bar)[0]}: the objective with the estimate of its error added"
 
 
@@ -89,6 +90,8 @@ def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
     """How far bounds and path constraints are exceeded between the points, in their own unit."""
     if overshoot is None:
         return "none to hold"
+    if overshoot["share"] is None:
+        return "not known: a curve has no finite value"
     if overshoot["share"] <= HELD:
         return "held between the points"
     name, unit = overshoot["name"], f" {overshoot['unit']}" if overshoot["unit"] else ""
@@ -100,7 +103,7 @@ def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
 
 def _reference(summary: dict[str, Any]) -> str:
     reference = summary["reference"]
-    if not reference or not summary["solved"]:
+    if not reference or not summary["solved"] or summary["objective"] is None:
         return ""
     if reference["agrees"] is None:
         return f"; {reference['objective']:.10g} is the reference of the file as it stands"
@@ -131,10 +134,11 @@ def print_details(summary: dict[str, Any]) -> None:
 
 def _print_phase(name: str, phase: dict[str, Any]) -> None:
     time, numbers = phase["time"], ("initial", "final", "min", "max")
-    print(f"\nphase {name}: t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}")
+    times = f"t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}"
+    print(f"\n{one_line(f'phase {name}: {times}')}")
     rows = [
         (curve, value["unit"], *(_number(value[key]) for key in numbers), _eta(value.get("max_eta")))
-        for kind in ("states", "controls", "algebraic")
+        for kind in ("states", "controls", "algebraic", "outputs", "path")
         for curve, value in phase[kind].items()
     ]
     rows += [

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...problems.errors import Mistake, SpecError
+from ...problems.errors import FileError, Mistake, SpecError
 from ..errors import command
 from ..options import Force, Picture, Results
 from ..output.printing import one_line
@@ -94,11 +94,11 @@ def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) ->
 
 
 def _bounds(result: Result) -> dict:
-    """The bounds of the problem; if an old file does not tell them, that is said and the picture is drawn without."""
+    """The bounds of the problem; if the file does not tell them, that is said and the picture is drawn without."""
     from ...results.file.read import bounds_of
 
     try:
         return bounds_of(result.build()[0])
-    except SpecError as error:
+    except FileError as error:
         print(f"warning: {one_line(str(error))}; drawn without bounds", file=sys.stderr)
         return {}

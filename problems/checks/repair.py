@@ -11,7 +11,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..names.symbols import UNKNOWN
+from ..schema.fields import TABLES
 from ..schema.spec import Spec
+from ..schema.tables import table_names
 from ..text import nearest
 from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
@@ -31,7 +33,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
     """
     if error.error_count() > MAX_FINDINGS:
         return None
-    data = copy.deepcopy(data)
+    data, tables = copy.deepcopy(data), table_names(data)
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
             path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
@@ -39,7 +41,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
                 return None
             _replace(data, path, extra)
         try:
-            return Spec.model_validate(data)
+            return Spec.model_validate(data, context={TABLES: tables})
         except ValidationError as remaining:
             error = remaining
     return None
@@ -47,6 +49,12 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
 
 def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
     """Put something harmless at a path, or at the value on the way that is no mapping, or take it away."""
+    if path[0] == "tables":  # what looks a mistaken table up is unknown
+        if len(path) > 1 and isinstance(data["tables"], dict):
+            data["tables"].pop(path[1], None)
+        else:
+            del data["tables"]
+        return
     if path[0] in _WHOLE:
         data[path[0]] = _WHOLE[path[0]]
         return

@@ -6,10 +6,12 @@ from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
+from ..expressions.lacking import ALIASES, LACKING
+from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
-from ..names.symbols import ALGEBRAIC, CONTROL, Symbols, no_value
+from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..phases.order import ALONE
 from ..problem import Range
@@ -22,19 +24,15 @@ from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
 from .names import name_trouble, title_troubles
+from .tables import beyond_tables
+from .unused import unused
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
 
-# What should stand in some expression: its role, and the section that declares it.
-_USED = {
-    "parameter": "parameters",
-    "expression": "expressions",
-    CONTROL: "controls",
-    ALGEBRAIC: "algebraic",
-    "static parameter": "optimize",
-}
+OF_TABLES = RESERVED.union(LACKING, ALIASES)
+"""Names that no table may have: some functions are told to be missing, with what does their work."""
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
@@ -72,7 +70,8 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
             checker.objective()
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
-        checker.unused()
+        checker.errors += beyond_tables(spec, checker.symbols)
+        checker.warnings += unused(spec, checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
@@ -97,7 +96,7 @@ class _Checker:
         spec = self.spec
         first: dict[str, str] = {}
         model = find_model(spec.model) if spec.model else None
-        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize"):
+        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
             for name in getattr(spec, group):
@@ -112,7 +111,7 @@ class _Checker:
 
     def name(self, path: Path, name: str, first: dict[str, str]) -> None:
         """One name; first: every name before it -> where it was declared."""
-        if trouble := name_trouble(name):
+        if trouble := name_trouble(name, OF_TABLES if path[0] == "tables" else RESERVED):
             self.error(path, *trouble)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
@@ -288,15 +287,3 @@ class _Checker:
             if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
                 what = "the constraint is on a constant"
                 self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
-
-    def unused(self) -> None:
-        """Names that are declared and then play no part."""
-        named = {name.name for use in uses(self.spec) for name in leaves(use.expression.root)}
-        if self.spec.model:
-            model = find_model(self.spec.model)
-            named |= {*model.parameters, *model.controls, *model.algebraic}
-        for name, role in self.symbols.roles.items():
-            if role in _USED and name not in named:
-                self.warn(
-                    (_USED[role], name), f"the {role} {name} is used nowhere", "remove it, or use it in an expression"
-                )

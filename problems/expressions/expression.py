@@ -12,8 +12,8 @@ import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from graphlib import CycleError, TopologicalSorter
-from typing import Any, NamedTuple
+from graphlib import TopologicalSorter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,10 @@ from ..text import shorten, tidy
 from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT, ExpressionError
 from .smooth import STAND_INS
-from .tree import Chain, External, Name, Node, Number, Operation, leaves, parse_tree
+from .tree import Chain, External, Lookup, Name, Node, Number, Operation, leaves, parse_tree
+
+if TYPE_CHECKING:  # tables import SciPy
+    from ..tables.table import Table
 
 
 class Fault(NamedTuple):
@@ -46,6 +49,7 @@ class Expression:
     parameters: Mapping[str, float] = field(default_factory=dict, repr=False, compare=False)
     definitions: Mapping[str, Expression] = field(default_factory=dict, repr=False, compare=False)
     static: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+    tables: Mapping[str, Table] = field(default_factory=dict, repr=False, compare=False)
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
         """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once.
@@ -59,14 +63,17 @@ class Expression:
         parameters: Mapping[str, float],
         definitions: Mapping[str, Expression],
         static: frozenset[str] = frozenset(),
+        tables: Mapping[str, Table] | None = None,
     ) -> Expression:
         """This expression with numbers for its parameters and expressions for the names defined by others.
 
         parameters: name -> number, in the unit of the file.
         definitions: name -> the expression that the name stands for; others are evaluated after those they refer to.
         static: names of the static parameters; like `parameters` they are the same at both ends of time.
+        tables: name -> the table of data that it looks up; None for those that it has.
         """
-        return replace(self, parameters=parameters, definitions=definitions, static=static)
+        own = self.tables if tables is None else tables
+        return replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
 
     def fault(self, values: Mapping[str, Any]) -> Fault | None:
         """The innermost sub-expression without a finite value; None if the expression is finite everywhere.
@@ -127,22 +134,6 @@ class Expression:
             return float(_Walk({}, np, np.float64).evaluate(self))
 
 
-def untangle(graph: Mapping[str, set[str]], most: int = 20) -> tuple[list[str], list[list[str]]]:
-    """The names of a graph, each after those it refers to, and the circles found in it, each as [a, b, a].
-
-    Names in a circle are left out of the order. After `most` circles the search ends, and the order is empty.
-    """
-    graph = dict(graph)
-    circles: list[list[str]] = []
-    while len(circles) < most:
-        try:
-            return [name for name in TopologicalSorter(graph).static_order() if name in graph], circles
-        except CycleError as error:
-            circles.append(error.args[1][::-1])
-            graph = {name: needs.difference(circles[-1]) for name, needs in graph.items() if name not in circles[-1]}
-    return [], circles
-
-
 def _power(base: Any, exponent: Any) -> Any:
     """base ** exponent; a whole exponent stays whole, so that x**2 is x*x and not exp(2 log x)."""
     if isinstance(exponent, float) and exponent.is_integer():
@@ -170,7 +161,7 @@ class _Walk:
         self.scope: dict[str, Any] = {}
 
     def evaluate(self, expression: Expression) -> Any:
-        self.key = expression._key
+        self.key, self.tables = expression._key, expression.tables
         given, numbers, number = self.values, expression.parameters, self.number
         self.scope = {n: given[n] if n in given else number(numbers[n]) for n in expression.constants}
         for key, (definition, end) in expression.steps.items():
@@ -189,6 +180,8 @@ class _Walk:
                 return self.lookup(node)
             case Operation(symbol=symbol, operands=operands):
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
+            case Lookup(operands=operands):
+                return self.look_up(node, [self.visit(operand) for operand in operands])
             case External():
                 return self.call(node)
             case Chain(first=first, links=links):
@@ -208,6 +201,9 @@ class _Walk:
         if symbol in STAND_INS:
             return STAND_INS[symbol](self.functions, operands)
         return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
+
+    def look_up(self, node: Lookup, operands: list[Any]) -> Any:
+        return self.tables[node.table].evaluate(self.functions, operands)
 
     def call(self, node: External) -> Any:
         return node.function(_Arguments(node, self.lookup), self.functions)
@@ -257,6 +253,13 @@ class _Audit(_Walk):
         result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))
         return self.finite(node, result)
 
+    def look_up(self, node: Lookup, operands: list[Any]) -> Any:
+        if node.table not in self.tables or any(operand is None for operand in operands):
+            return None
+        if self.constants_only:
+            self.refuse(node, self.tables[node.table].outside(operands), f"is outside of the points of {node.table}")
+        return self.finite(node, super().look_up(node, operands))
+
     def call(self, node: External) -> Any:
         if any(self.lookup(operand) is None for operand in node.operands):
             return None
@@ -288,14 +291,17 @@ class _Audit(_Walk):
 
 
 @lru_cache(maxsize=4096)
-def parse(text: str) -> Expression:
+def parse(text: str, tables: frozenset[str] = frozenset()) -> Expression:
     """The expression that the text means.
+
+    text: as a user writes it.
+    tables: the names of the tables of data that it may look up.
 
     Raises ExpressionError, which says what is wrong, where in the text, and how to mend it; also for a constant part
     that has no finite value, such as 1/0 or 9**9**9.
     """
     text = tidy(text)
-    expression = Expression(text, parse_tree(text))
+    expression = Expression(text, parse_tree(text, tables))
     if fault := expression.fault({}):
         raise ExpressionError(f'"{shorten(fault.text)}" {fault.why}', "give it a finite value or leave it out")
     return expression

@@ -16,6 +16,25 @@ class Lack(NamedTuple):
     remedy: str
 
 
+ALIASES = {
+    "ln": "log({})",
+    "log2": "log({})/log(2)",
+    "exp2": "2**({})",
+    "arcsin": "asin({})",
+    "arccos": "acos({})",
+    "arctan": "atan({})",
+    "tg": "tan({})",
+    "sqr": "({})**2",
+    "square": "({})**2",
+    "pow": "a**b",
+    "fabs": "abs({})",
+    "arctan2": "atan2({})",
+    "erfc": "1 - erf({})",
+    "sgn": "sign({}, eps), where eps is the width of the smooth change",
+    "signum": "sign({}, eps), where eps is the width of the smooth change",
+}
+"""Names of functions that exist elsewhere -> what to write for them, with {} for the argument."""
+
 _AT_ANOTHER_TIME = re.compile(r"t\s*[-+].*|.*[-+*/]\s*t")  # t - 0.5, 0.5 + t, 2*t
 
 _SMOOTH_SWITCH = "write step(x - a, eps), which goes from 0 to 1 where x passes a, and eps is the width of the change"

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import keyword
 import re
+from collections.abc import Collection
 from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
 from ..text import did_you_mean, excerpt, nearest, shorten
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
-from .lacking import LACKING, at_another_time
+from .lacking import ALIASES, LACKING, at_another_time
 
 ENDS = ("initial", "final")
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
@@ -35,24 +36,6 @@ _TOKEN = re.compile(
     r"|(?P<operator>\*\*|//|[-+*/()\[\],.])|(?P<other>\S))",
     re.ASCII,
 )
-
-_ALIASES = {
-    "ln": "log({})",
-    "log2": "log({})/log(2)",
-    "exp2": "2**({})",
-    "arcsin": "asin({})",
-    "arccos": "acos({})",
-    "arctan": "atan({})",
-    "tg": "tan({})",
-    "sqr": "({})**2",
-    "square": "({})**2",
-    "pow": "a**b",
-    "fabs": "abs({})",
-    "arctan2": "atan2({})",
-    "erfc": "1 - erf({})",
-    "sgn": "sign({}, eps), where eps is the width of the smooth change",
-    "signum": "sign({}, eps), where eps is the width of the smooth change",
-}
 
 _BRANCHES = ("if", "else", "and", "or", "not")
 _COMPARISON = (
@@ -91,7 +74,8 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """category: number, name, operator, separator (a comma between arguments), other or end (an empty token)."""
+    """category: number, name, table (a name before its arguments), operator, separator (a comma between arguments),
+    other or end (an empty token)."""
 
     category: str
     text: str
@@ -99,8 +83,12 @@ class Token(NamedTuple):
     stop: int
 
 
-def check_syntax(text: str) -> None:
-    """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression."""
+def check_syntax(text: str, tables: Collection[str] = ()) -> None:
+    """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression.
+
+    text: the expression.
+    tables: the names of the tables of data, which have arguments as functions have.
+    """
     if not text:
         raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
     if len(text) > MAX_LENGTH:
@@ -108,7 +96,7 @@ def check_syntax(text: str) -> None:
             f"the expression has {len(text)} characters, more than the {MAX_LENGTH} allowed",
             "name its parts under expressions:",
         )
-    tokens = _tokens(text)
+    tokens = _with_tables(text, _tokens(text), tables)
     for token, after in pairwise(tokens):
         _check_token(text, token, after)
     _check_brackets(text, tokens)
@@ -123,6 +111,19 @@ def _tokens(text: str) -> list[Token]:
     matches = ((str(m.lastgroup), m) for m in _TOKEN.finditer(text))
     found = [Token(category, m[category], *m.span(category)) for category, m in matches]
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
+
+
+def _with_tables(text: str, tokens: list[Token], tables: Collection[str]) -> list[Token]:
+    """The tokens with the names of tables before their arguments marked; a name that is nearly one is refused."""
+    marked = tokens[:]
+    for i, (token, after) in enumerate(pairwise(tokens)):
+        if token.category != "name" or after.text != "(" or token.text in FUNCTIONS:
+            continue
+        if token.text in tables:
+            marked[i] = token._replace(category="table")
+        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, tables)):
+            _fail(text, token, token, f"there is no table {token.text}", f"did you mean {meant}?")
+    return marked
 
 
 def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:
@@ -180,7 +181,7 @@ def _separated(tokens: list[Token]) -> list[Token]:
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and may_hold_commas(before.text))
+            openers.append(token.text == "(" and (before.category == "table" or may_hold_commas(before.text)))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
@@ -218,7 +219,7 @@ def _ends_operand(token: Token) -> bool:
 
 
 def _starts_operand(token: Token) -> bool:
-    return token.category in ("number", "name") or token.text == "("
+    return token.category in ("number", "name", "table") or token.text == "("
 
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
@@ -255,7 +256,7 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
-    if token.category == "name" and after.text == "(":
+    if token.category in ("name", "table") and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
@@ -265,8 +266,8 @@ def _check_call(text: str, name: Token, bracket: Token) -> None:
     """A call of something that is not one of the functions."""
     last = _closing(text, bracket)
     argument = shorten(text[bracket.stop : last.start].strip(), 40)
-    if name.text in _ALIASES:
-        remedy = f"write {_ALIASES[name.text].format(argument)}"
+    if name.text in ALIASES:
+        remedy = f"write {ALIASES[name.text].format(argument)}"
         _fail(text, name, last, f"there is no function {name.text}", remedy)
     if lack := at_another_time(name.text, argument):
         _fail(text, name, last, *lack)

@@ -30,7 +30,8 @@ class Form(NamedTuple):
 def form_of(functions: Iterable[Function | None]) -> Form:
     """The form of functions, and the parameters in them that are data.
 
-    A function that is no expression is its own form. What is one number here and another there is literal.
+    A function that is no expression is its own form, and one that may look up tables has none that another has. What is
+    one number here and another there is literal.
     """
     shapes: list[Any] = []
     numbers: dict[str, float] = {}
@@ -38,6 +39,9 @@ def form_of(functions: Iterable[Function | None]) -> Form:
     for function in functions:
         if not isinstance(function, Expression):
             shapes.append(function)
+            continue
+        if function.tables:
+            shapes.append(object())
             continue
         roots = [function.root, *(definition.root for definition, _ in function.steps.values())]
         shapes.append((function.root, *((key, d.root) for key, (d, _) in function.steps.items())))

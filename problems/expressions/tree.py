@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -50,6 +50,14 @@ class Operation(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class Lookup(Node):
+    """A table of data at its arguments."""
+
+    table: str
+    operands: tuple[Node, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Link(Node):
     """One operator of a chain and its right operand; the span is that of the chain up to here."""
 
@@ -73,9 +81,15 @@ class External(Node):
     operands: tuple[Name, ...]
 
 
-def parse_tree(text: str) -> Node:
-    """The tree of a tidy text. Raises ExpressionError: what is wrong, where in the text, and how to mend it."""
-    check_syntax(text)
+def parse_tree(text: str, tables: Collection[str] = ()) -> Node:
+    """The tree of a tidy text.
+
+    text: the expression.
+    tables: the names of the tables of data that it may look up.
+
+    Raises ExpressionError: what is wrong, where in the text, and how to mend it.
+    """
+    check_syntax(text, tables)
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -99,7 +113,7 @@ def nodes(root: Node) -> Iterator[Node]:
 def below(node: Node) -> tuple[Node, ...]:
     """The nodes that a node is made of: operands from the left."""
     match node:
-        case Operation(operands=operands) | External(operands=operands):
+        case Operation(operands=operands) | Lookup(operands=operands) | External(operands=operands):
             return operands
         case Chain(first=first, links=links):
             return (first, *(link.operand for link in links))
@@ -109,7 +123,7 @@ def below(node: Node) -> tuple[Node, ...]:
 def rebuilt(node: Node, new: Sequence[Node]) -> Node:
     """The same node made of others."""
     match node:
-        case Operation():
+        case Operation() | Lookup():
             return replace(node, operands=tuple(new))
         case External():
             names = tuple(part for part in new if isinstance(part, Name))
@@ -124,6 +138,23 @@ def rebuilt(node: Node, new: Sequence[Node]) -> Node:
 def leaves(root: Node) -> Iterator[Name]:
     """Every name in the tree, from the left."""
     return (node for node in nodes(root) if isinstance(node, Name))
+
+
+def skeleton(node: Node) -> Any:
+    """What a tree says, wherever it stands: equal for trees that mean the same, hashable."""
+    own: tuple[Any, ...] = ()
+    match node:
+        case Number(value=value):
+            own = (value,)
+        case Name(name=name, end=end):
+            own = (name, end)
+        case Chain(links=links):
+            own = tuple(link.symbol for link in links)
+        case Operation(symbol=name) | Lookup(table=name):
+            own = (name,)
+        case External(function=function):
+            own = (id(function),)
+    return (type(node), *own, *map(skeleton, below(node)))
 
 
 def count(root: Node) -> int:
@@ -185,9 +216,11 @@ def _spelled(tree: ast.Name | ast.Attribute) -> str:
 
 def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | None:
     match tree:
-        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
-            _check_arguments(name, arguments, text, span)
-            return Operation(*span, name, tuple(_node(argument, text, depth) for argument in arguments))
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
+            kind = Operation if name in FUNCTIONS else Lookup  # `check_syntax` lets no other name pass than of tables
+            if kind is Operation:
+                _check_arguments(name, arguments, text, span)
+            return kind(*span, name, tuple(_node(argument, text, depth) for argument in arguments))
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return Operation(*span, "-", (_node(operand, text, depth),))
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):

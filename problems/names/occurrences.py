@@ -38,8 +38,8 @@ def uses(spec: Spec) -> Iterator[Use]:
         yield Use(("parameters", name), parameter.value, CONSTANT)
     for section in _SECTIONS:
         yield from _constants(getattr(spec, section), (section,))
-    for name, expression in spec.expressions.items():
-        yield Use(("expressions", name), expression, TRAJECTORY)
+    for name, named in spec.expressions.items():
+        yield Use(("expressions", name), named.value, TRAJECTORY)
     yield from _dynamics(spec)
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from ..expressions.expression import Expression, Fault, untangle
+from ..expressions.expression import Expression, Fault
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
@@ -16,7 +16,8 @@ from ..schema.spec import Spec
 from ..text import nearest, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from . import variables
+from . import lookups, variables
+from .circles import untangle
 from .occurrences import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
@@ -30,6 +31,7 @@ UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
 # Roles of names that have a value at every time.
 STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
+TABLE = "table"
 VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 
 
@@ -37,10 +39,10 @@ class Symbols:
     """Names and values of a spec.
 
     states, controls, algebraic: the variables, see variables.py. roles: name -> "parameter", "expression", "static
-    parameter", or one of VARYING. numbers: the values of the parameters. equations: those of the model, None without
-    one. definitions: the expressions that others may refer to, each after those that it refers to; `varying` are those
-    that vary in time, `fixed` holds the numbers and the values of the expressions of parameters alone. findings:
-    mistakes met on the way; without them, all of these are complete.
+    parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. equations:
+    those of the model, None without one. definitions: the expressions that others may refer to, each after those that
+    it refers to; `varying` are those that vary in time, `fixed` holds the numbers and the values of the expressions of
+    parameters alone. findings: mistakes met on the way; without them, all of these are complete.
     """
 
     def __init__(self, spec: Spec):
@@ -55,11 +57,13 @@ class Symbols:
             RATE: [variable.name for variable in self.algebraic],
             ALGEBRAIC: [variable.name for variable in self.algebraic if "[" not in variable.name],
             "static parameter": spec.optimize,
+            TABLE: spec.tables,
             "unknown": UNKNOWN.names,
         }
         self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
         self.findings: list[Finding] = []
+        self.tables = lookups.fitted(spec, self.findings)
         self.numbers: dict[str, float] = {}
         self.fixed: dict[str, float] = {}
         self.definitions: dict[str, Expression] = {}
@@ -73,7 +77,7 @@ class Symbols:
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
         self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
-        self._collect_definitions(spec.expressions)
+        self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
@@ -95,7 +99,7 @@ class Symbols:
         added: static parameters that the file does not name.
         """
         return expression.bind(
-            self.numbers, self.definitions if definitions is None else definitions, self.static | added
+            self.numbers, self.definitions if definitions is None else definitions, self.static | added, self.tables
         )
 
     def number(self, expression: Expression | None, default: float) -> float:
@@ -136,7 +140,7 @@ class Symbols:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""
         if isinstance(expression.root, Number):
             return None
-        return expression.bind(self._fixed_in(expression), {}).fault({})
+        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).fault({})
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
         return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
@@ -156,12 +160,17 @@ class Symbols:
                 self.findings.append(Finding(use.path, *trouble))
                 self._wrong.add(use.path)
             seen.add((name.name, name.end))
+        if wrong := lookups.misused(use.expression, self.tables):
+            self._wrong.add(use.path)
+            self.findings += [Finding(use.path, *own) for own in wrong if own]
 
     def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
         if role is None:
             found = self._unknown(name.name, context)
+        elif role == TABLE:
+            found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
                 f"{name.name} is {_with_article(role)}, but this value must be known before the solution is",
@@ -243,7 +252,7 @@ class Symbols:
                 self.numbers[name] = self.fixed[name] = self._constant(values[name])
 
     def _constant(self, expression: Expression) -> float:
-        return expression.bind(self._fixed_in(expression), {}).constant()
+        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).constant()
 
     def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
         sizes: dict[str, int] = {}

@@ -12,7 +12,8 @@ from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.tree import External, Name, Node, below, leaves, rebuilt
-from ..names.symbols import Symbols, no_value
+from ..names import lookups
+from ..names.symbols import TABLE, Symbols, no_value
 from ..problem import Range
 from ..text import did_you_mean
 from ..yaml.document import Path
@@ -38,7 +39,8 @@ class Between:
     def function(self, expression: Expression) -> Expression:
         """The expression, without mistakes, as a `problem.Function` of the values at the ends of all phases."""
         root = _renamed(expression.root, self._resolved)
-        return replace(expression, root=root).bind(self.numbers, self.definitions, self.shared.static)
+        shared = self.shared
+        return replace(expression, root=root).bind(self.numbers, self.definitions, shared.static, shared.tables)
 
     def findings(self, path: Path, expression: Expression, constant: bool = False) -> Iterator[Finding]:
         """Every mistake in the names of an expression.
@@ -51,7 +53,9 @@ class Between:
             if (trouble := self._trouble(name, constant)) is not None:
                 troubles[name.name, name.end] = trouble
         yield from (Finding(path, *trouble) for trouble in troubles.values())
-        if not troubles and (fault := self.function(expression).fault({})):
+        misused = lookups.misused(expression, self.shared.tables)
+        yield from (Finding(path, *own) for own in misused if own)
+        if not troubles and not misused and (fault := self.function(expression).fault({})):
             yield no_value(path, fault)
 
     def range(self, lower: Expression | None, upper: Expression | None, equals: Expression | None) -> Range:
@@ -68,6 +72,8 @@ class Between:
         if dot and phase not in self.phases:
             remedy = did_you_mean(phase, self.phases, f"the phases are {', '.join(self.phases)}")
             return f'there is no phase "{phase}"', remedy
+        if not dot and self.shared.roles.get(name.name) == TABLE:
+            return f"{name.name} is a table of data", lookups.as_called(name.name, self.shared.tables)
         if not dot and (name.name in self.shared.numbers or name.name in self.shared.static):
             return _has_one_value(name) if name.end else None
         owners = [phase] if dot else [own for own in self.phases if inner_known(self.phases[own], name.name)]

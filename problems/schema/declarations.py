@@ -22,6 +22,14 @@ class Parameter(Shorthand):
     note: Text = Field("", description=NOTE)
 
 
+class NamedExpression(Shorthand):
+    """An expression that others may use by its name; one that varies in time is an output of the solution."""
+
+    value: Formula = Field(description="expression of t, states, controls, parameters and other named expressions")
+    unit: Text = Field("", description=UNIT)
+    note: Text = Field("", description=NOTE)
+
+
 class EndValue(Shorthand):
     """The value at one end of time: fixed, or in a range."""
 

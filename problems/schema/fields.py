@@ -36,6 +36,9 @@ TAG = "[a-z0-9]+(-[a-z0-9]+)*"
 STORED = "stored"
 """Key of the context of validation that says: from a result, so checked when it was solved."""
 
+TABLES = "tables"
+"""Key of the context of validation that holds the names of the tables of data, which expressions may look up."""
+
 _BREAKS = "\t\n\r"  # in the notes of a file
 
 
@@ -44,7 +47,8 @@ def mistake(what: str, remedy: str) -> PydanticCustomError:
     return PydanticCustomError("mistake", "{what}; {remedy}", {"what": what, "remedy": remedy})
 
 
-def _number(value: Any) -> float:
+def number(value: Any) -> float:
+    """A finite number. Raises the error of `mistake` for anything else."""
     value = scalar(value) if isinstance(value, str) else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise mistake(f"this must be a number, not {in_words(value)}", "write a number such as 0.5 or 1.0e-8")
@@ -53,7 +57,7 @@ def _number(value: Any) -> float:
     return float(value)
 
 
-def _formula(value: Any) -> Expression:
+def _formula(value: Any, info: ValidationInfo) -> Expression:
     if isinstance(value, Expression):
         return value
     if isinstance(value, float) and math.isinf(value):
@@ -67,7 +71,7 @@ def _formula(value: Any) -> Expression:
             f"this must be a number or an expression, not {in_words(value)}", "write for example 0.5 or 2*pi*f"
         )
     try:
-        return parse(value if isinstance(value, str) else repr(value))
+        return parse(value if isinstance(value, str) else repr(value), (info.context or {}).get(TABLES, frozenset()))
     except ExpressionError as error:
         raise mistake(error.what, error.remedy) from error
 
@@ -100,7 +104,7 @@ def _segments(value: Any) -> int | tuple[float, ...]:
     if isinstance(value, list):
         if not 1 <= len(value) <= MAX_SEGMENTS:
             raise mistake(f"the list has {len(value)} widths", f"give 1 to {MAX_SEGMENTS} of them")
-        widths = tuple(map(_number, value))
+        widths = tuple(map(number, value))
         if min(widths) <= 0:
             raise mistake("a segment width is zero or negative", "write positive relative widths such as [1, 2, 1]")
         return widths
@@ -136,7 +140,7 @@ def _degree_of_segment(value: Any) -> int:
 
 def _scaling(value: Any) -> str | dict[str, float]:
     if isinstance(value, dict) and value:
-        sizes = {str(name): _number(size) for name, size in value.items()}
+        sizes = {str(name): number(size) for name, size in value.items()}
         if min(sizes.values()) <= 0:
             raise mistake("a size is zero or negative", "write the typical magnitude, a positive number")
         return sizes
@@ -161,7 +165,7 @@ if TYPE_CHECKING:
     Scaling = str | dict[str, float]
     Segments = int | tuple[float, ...]
 else:
-    Number = Annotated[Any, PlainValidator(_number), WithJsonSchema(_NUMBER_SCHEMA)]
+    Number = Annotated[Any, PlainValidator(number), WithJsonSchema(_NUMBER_SCHEMA)]
     Tag = Annotated[
         Any, PlainValidator(_tag), WithJsonSchema({"type": "string", "pattern": f"^{TAG}$", "maxLength": MAX_TAG})
     ]

@@ -6,7 +6,19 @@ from typing import Any, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
-from .declarations import LOWER, NOTE, UPPER, Algebraic, Control, EndValue, Parameter, Residual, StateEntry, TimeEnd
+from .declarations import (
+    LOWER,
+    NOTE,
+    UPPER,
+    Algebraic,
+    Control,
+    EndValue,
+    NamedExpression,
+    Parameter,
+    Residual,
+    StateEntry,
+    TimeEnd,
+)
 from .fields import Entry, Formula, Text, mistake
 from .sections import MAX_NAMES, Constraints, GuessEntry, Objective
 from .solving import MAX_MESHES, MeshEntry
@@ -29,7 +41,7 @@ class PhaseEntry(Entry):
     note: Text = Field("", description=NOTE)
     time: PhaseTime = Field(PhaseTime(), description="{initial, final}, each a number or {lower, upper, guess}")
     parameters: dict[str, Parameter] = Field({}, max_length=MAX_NAMES, description=f"constants {OWN}")
-    expressions: dict[str, Formula] = Field({}, max_length=MAX_NAMES, description=f"expressions {OWN}")
+    expressions: dict[str, NamedExpression] = Field({}, max_length=MAX_NAMES, description=f"expressions {OWN}")
     states: dict[str, StateEntry] = Field({}, max_length=MAX_NAMES, description=f"states {OWN}, key by key")
     controls: dict[str, Control] = Field({}, max_length=MAX_NAMES, description=f"controls {OWN}, key by key")
     algebraic: dict[str, Algebraic] = Field(

@@ -17,8 +17,8 @@ from ..models import MODELS
 from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
-from .declarations import NOTE, Algebraic, Control, Parameter, Residual, StateEntry, Static, Time
-from .fields import MAX_TAGS, Entry, Formula, Number, Scaling, Tag, Text, mistake
+from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
+from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
@@ -33,6 +33,7 @@ from .solving import (
     Solver,
     Sweep,
 )
+from .tables import TableEntry
 
 
 def _alternatives(schema: dict[str, Any]) -> None:
@@ -58,8 +59,13 @@ class Spec(Entry):
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
     )
-    expressions: dict[str, Formula] = Field(
-        {}, max_length=MAX_NAMES, description="name -> expression that others may use by that name"
+    expressions: dict[str, NamedExpression] = Field(
+        {},
+        max_length=MAX_NAMES,
+        description="name -> expression, or {value, unit, note}, that others may use by that name; over time an output",
+    )
+    tables: dict[str, TableEntry] = Field(
+        {}, max_length=MAX_NAMES, description="tables of data: name -> {points, values} or {file}, called as name(h)"
     )
     model: Text = Field(
         "",
@@ -189,7 +195,7 @@ class Spec(Entry):
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
-        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions")
+        groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions", "tables")
         named = {group: getattr(self, group) for group in groups}
         declared = [f"{group} {shorten(', '.join(names), 60)}" for group, names in named.items() if names]
         if self.model:

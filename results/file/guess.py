@@ -10,7 +10,7 @@ import numpy as np
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Guess, Phase, Problem
-from .write import open_result
+from .door import open_result
 
 GUESSED_KINDS = ("state", "control", "algebraic")
 
@@ -63,8 +63,10 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
         raise SpecError(Mistake(source, f"it has none of the states {names}", "give a result of a similar problem"))
     dense = group["dense"]
     time = dense["time"][:]
-    known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense[kind].items()}
-    parameters = {name: float(value[()]) for name, value in group["parameter"].items()}
+    known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense.get(kind, {}).items()}
+    parameters = {name: float(np.nan_to_num(value[()])) for name, value in group["parameter"].items()}
+    if not time[-1] > time[0]:
+        raise SpecError(Mistake(source, "its duration is zero", "give another result"))
     s = (time - time[0]) / (time[-1] - time[0])
     return adapted(Guess(float(time[0]), float(time[-1]), s, known, parameters), phase)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,13 +10,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Phase, Problem, Range
-from ...problems.text import short_repr
+from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
-from .write import open_result
+from .door import open_result, stored_problem
 
-CURVE_KINDS = ("state", "control", "algebraic", "costate")
+CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
 
 
@@ -37,7 +35,7 @@ class PhaseCurves:
     """One phase of a result.
 
     time: (K,) of the points, dense_time: (M,), knots: (N + 1,) times of the segments' edges, all in `time_unit`.
-    curves: kind ("state", "control", "algebraic", "costate") -> name -> curve; a kind may be missing or empty.
+    curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
     objective; empty where there is none.
@@ -123,22 +121,14 @@ class Result:
     def build(self) -> tuple[Problem, dict[str, float]]:
         """The problem that was solved, and the numbers of its parameters, fixed and optimised.
 
-        Raises SpecError if another version of trajopt wrote the file and this one cannot read its problem.
+        Raises FileError if this version of trajopt cannot read the problem.
         """
-        from pydantic import ValidationError
-
         from ...problems.build import build
+        from ...problems.load import load_stored
         from ...problems.names.symbols import Symbols
-        from ...problems.schema.fields import STORED
-        from ...problems.schema.spec import Spec
 
-        try:
-            spec = Spec.model_validate(self.spec, context={STORED: True})
-            problem, numbers = build(spec), Symbols(spec).numbers
-        except (ValidationError, SpecError) as error:
-            what = "the problem in it cannot be read by this version of trajopt"
-            raise SpecError(Mistake(str(self.path), what, "solve the problem again")) from error
-        return problem, {**numbers, **self.phases[0].parameters}
+        spec = load_stored(self.spec, str(self.path))
+        return build(spec), {**Symbols(spec).numbers, **self.phases[0].parameters}
 
 
 def read(path: Path) -> Result:
@@ -146,15 +136,15 @@ def read(path: Path) -> Result:
     with open_result(path) as file:
         return Result(
             path=Path(path),
-            problem=str(file.attrs["problem"]),
+            problem=printable(file.attrs["problem"]),
             solved=bool(file.attrs["solved"]),
-            message=str(file.attrs["message"]),
+            message=printable(file.attrs["message"]),
             objective=float(file.attrs["objective"]),
             objective_error=bar_of(file.attrs)["objective_error"],
-            objective_error_missing=str(file.attrs.get("objective_error_missing", NO_BAR_YET)),
+            objective_error_missing=printable(file.attrs.get("objective_error_missing", NO_BAR_YET)),
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
-            spec=json.loads(file["spec/full"].asstr()[()]),
+            spec=stored_problem(file),
         )
 
 
@@ -169,6 +159,7 @@ def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
 def _ranges(phase: Phase) -> dict[str, Range]:
     ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
     for constraint in phase.path:
+        ranges.setdefault(constraint.name, constraint.bounds)
         name = getattr(constraint.function, "text", None)
         if name in ranges:
             ranges[name] = ranges[name].intersection(constraint.bounds)
@@ -200,7 +191,7 @@ def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset
 def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
-        method=str(a["method"]),
+        method=printable(a["method"]),
         edges=tuple(own["edges"][:] for own in meshes_of(group)),
         unknowns=int(a["unknowns"]),
         objective=float(a["objective"]),

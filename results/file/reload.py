@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import h5py
 import numpy as np
 
 from ...problems.build import build
+from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.load import load_stored
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
@@ -22,7 +25,7 @@ from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
 from ...transcription.transcribe import compiled, transcribe, with_costates
 from .arrays import bar_of, meshes_of
-from .write import open_result
+from .door import DAMAGED, open_result, stored_problem
 
 
 @short_repr
@@ -90,19 +93,42 @@ def _outcome(file: h5py.File, sense: int) -> Outcome:
 def stored_spec(path: Path) -> Spec:
     """The spec of the problem that a result holds, overrides applied. Raises FileError if it is no result."""
     with open_result(path) as file:
-        return load_stored(file["spec/full"].asstr()[()], str(path))
+        data = stored_problem(file)
+    return load_stored(data, str(path))
 
 
 def reload(path: Path) -> Reloaded:
-    """Read a result file back; overrides of the solve are in it. Raises FileError if it is no result."""
+    """Read a result file back; overrides of the solve are in it.
+
+    Raises FileError if it is no result, or one whose arrays are not of its problem and its mesh.
+    """
     spec = stored_spec(path)
-    with open_result(path) as file:
+    with _fitting(path), open_result(path) as file:
         problem = build(spec)
         records = tuple(_record(file["mesh"][str(number)]) for number in range(len(file["mesh"])))
         outcome = _outcome(file, problem.sense)
         objective, solved = float(file.attrs["objective"]), bool(file.attrs["solved"])
-        overrides = tuple(file["spec"].attrs["overrides"])
-    transcription = transcribe(problem, records[-1].grids)
-    nlp = compiled(transcription)
-    phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
+        overrides, phase_names = tuple(file["spec"].attrs["overrides"]), set(file["phase"])
+    with _fitting(path):
+        transcription = transcribe(problem, records[-1].grids)
+        nlp = compiled(transcription)
+        if phase_names != {phase.name for phase in problem.phases}:
+            raise _unlike(path, "its phases are not those of its problem")
+        if (len(outcome.z), len(outcome.y)) != (len(transcription.variables), len(nlp.cl)):
+            raise _unlike(path, "the solver's point is not one of its problem on its mesh")
+    with np.errstate(all="ignore"):  # a point that is not finite is told by what looks at it
+        phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides, records)
+
+
+@contextmanager
+def _fitting(path: Path) -> Iterator[None]:
+    """A block in which mistakes are the result's: a mesh of no method, a problem that the method cannot take."""
+    try:
+        yield
+    except SpecError as error:
+        raise _unlike(path, f"its mesh is not one of its problem: {error.mistakes[0].what}") from error
+
+
+def _unlike(path: Path, what: str) -> FileError:
+    return FileError(Mistake(str(path), what, DAMAGED))

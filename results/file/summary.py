@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,13 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...problems.errors import FileError, Mistake
 from ...transcription.solution.solution import inaccurate
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
-from .write import open_result
+from .door import DAMAGED, open_result, stored_problem
+from .layout import MESH
+
+LARGEST_NUMBER = 1e300  # of a reference
 
 
 def summarize(path: Path) -> dict[str, Any]:
@@ -63,7 +66,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
 
 
 def _attributes(mesh: h5py.Group) -> dict[str, Any]:
-    plain = {key: value for key, value in mesh.attrs.items() if not key.startswith("seconds_")}
+    plain = {key: value for key, value in mesh.attrs.items() if key in MESH.attributes}
     seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
     return {**plain, **bar_of(mesh.attrs), "seconds": seconds}
 
@@ -73,13 +76,19 @@ def _reference(file: h5py.File) -> dict[str, Any] | None:
 
     It belongs to the file as it stands: a command line that changed the problem or the mesh leaves `agrees` open.
     """
-    reference = json.loads(file["spec/full"].asstr()[()]).get("reference")
+    reference = stored_problem(file).get("reference")
     if not reference:
         return None
+    if not isinstance(reference, dict) or not all(_is_number(reference.get(key)) for key in ("objective", "tolerance")):
+        raise FileError(Mistake(f"{file.filename}: /spec/full", "its reference is none", DAMAGED))
     difference = float(file.attrs["objective"]) - reference["objective"]
     overrides = list(file["spec"].attrs["overrides"])
     agrees = None if overrides else abs(difference) <= reference["tolerance"]
     return {**reference, "difference": difference, "agrees": agrees, "overrides": overrides}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and abs(value) < LARGEST_NUMBER
 
 
 def _error(file: h5py.File) -> dict[str, Any]:
@@ -127,7 +136,9 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "relative_error": np.max(group["error/relative"][:]) if "relative" in group["error"] else np.nan,
         "states": {name: {**_curve(values), "max_eta": eta[name]} for name, values in points["state"].items()},
         "controls": {name: _curve(values) for name, values in points["control"].items()},
-        "algebraic": {name: _curve(values) for name, values in points["algebraic"].items()},
+        "algebraic": {name: _curve(values) for name, values in points.get("algebraic", {}).items()},
+        "outputs": {name: _curve(values) for name, values in points.get("output", {}).items()},
+        "path": {name: _curve(values) for name, values in points.get("path", {}).items()},
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },

@@ -8,7 +8,8 @@
                                attribute: overrides (the paths that the command line changed)
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
-            state/<name>, costate/<name>, control/<name>, algebraic/<name>
+            state/<name>, costate/<name>, control/<name>, algebraic/<name>,
+            output/<name> (named expressions that vary in time), path/<name> (path constraints that are no equations)
         dense/                 time and the same on a fine grid, by the scheme's own interpolants; and
             epsilon/<state>    dx/dt - f
         error/                 eta (segment, state): indices of the segments, from 0, and names of the states;
@@ -38,29 +39,26 @@ to disk, and renamed: there is never half a result under the final name, and an 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
-from io import BytesIO
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from uuid import uuid4
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
-from .arrays import array_of, group_of, scale_of, texts
+from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
+from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_phase import write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
     from ...transcription.solution.solution import MeshRecord, Solution
 
-FORMAT, FORMAT_VERSION = "trajopt result", 1
 MAX_UNMET = 20  # segments told one by one
 
 
@@ -74,7 +72,7 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
     Raises FileError.
     """
     check_writable(path)
-    if path.exists() and not force and (owner := _told_by(path, "problem")) != problem:
+    if path.exists() and not force and (owner := head_of(path).get("problem")) != problem:
         what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
         raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
 
@@ -89,45 +87,12 @@ def place_for(path: Path, problem: str, solved: bool) -> Path:
     Only a solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
     if something else is there, to NAME-unsolved-2.h5 and so on.
     """
-    if solved or not _told_by(path, "solved"):
+    if solved or not head_of(path).get("solved"):
         return path
     names = (path.with_stem(f"{path.stem}-unsolved" + (f"-{n}" if n > 1 else "")) for n in count(1))
     return next(
-        beside
-        for beside in names
-        if not beside.exists() or (_told_by(beside, "problem") == problem and not _told_by(beside, "solved"))
+        beside for beside in names if not beside.exists() or head_of(beside) == {"problem": problem, "solved": False}
     )
-
-
-def _told_by(path: Path, attribute: str) -> Any:
-    """An attribute at the top of a result file; None if there is no such file."""
-    try:
-        with open_result(path) as file:
-            return file.attrs[attribute]
-    except FileError:
-        return None
-
-
-@contextmanager
-def open_result(source: Path | bytes) -> Iterator[h5py.File]:
-    """A result file, or the content of one, open for reading.
-
-    Raises FileError if it cannot be read or is no result of this version.
-    """
-    path = Path("the solution") if isinstance(source, bytes) else source
-    try:
-        file = h5py.File(BytesIO(source) if isinstance(source, bytes) else source, "r")
-    except OSError as error:
-        missing = "there is no such file" if not path.exists() else "it is a folder"
-        reason = "it cannot be read as HDF5" if path.is_file() else missing
-        raise FileError(Mistake(str(path), reason, "give a result written by 'trajopt solve'")) from error
-    with file:
-        if str(file.attrs.get("format")) != FORMAT:
-            raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
-        if file.attrs["format_version"] > FORMAT_VERSION:
-            what = f"it has format version {file.attrs['format_version']}, this trajopt reads up to {FORMAT_VERSION}"
-            raise FileError(Mistake(str(path), what, "update trajopt"))
-        yield file
 
 
 def write(
@@ -162,11 +127,8 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
     spec_full: the same with every default, as JSON.
     command: what the user typed.
     overrides: the paths that the command line changed, so that the file's reference is none of this result.
-
-    HDF5 makes the file in memory and Python writes it: the HDF5 library does not survive a disk that is full.
     """
-    name = uuid4().hex  # HDF5 refuses two files in memory of one name, as of two threads
-    with h5py.File(name, "w", driver="core", backing_store=False, track_order=True) as file:
+    with file_in_memory() as file:
         _write_head(file, solution, command)
         spec = group_of(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
@@ -185,9 +147,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)
         _write_solver(group_of(file, "solver"), solution)
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+        return content_of(file)
 
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:

@@ -23,12 +23,12 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
     trajectory: the solved phase; without costates none are written.
     error: of the trajectory.
     """
-    phase, sample = trajectory.phase, trajectory.dense
+    phase, sample, p = trajectory.phase, trajectory.dense, trajectory.parameters
     scale_of(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
     points, dense, errors = (group_of(group, name) for name in ("points", "dense", "error"))
     costate = None if trajectory.costate is None else trajectory.point_costate
-    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate)
-    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=sample.costate)
+    _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate, parameters=p)
+    time = _write_curves(dense, phase, t=sample.t, x=sample.x, u=sample.u, costate=sample.costate, parameters=p)
     profiles = group_of(dense, "epsilon")
     for state, epsilon in zip(phase.states, error.epsilon, strict=True):
         unit = f"{state.unit or '1'}/{phase.time_unit}"
@@ -69,7 +69,14 @@ def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, f
 
 
 def _write_curves(
-    group: h5py.Group, phase: Phase, *, t: np.ndarray, x: np.ndarray, u: np.ndarray, costate: np.ndarray | None
+    group: h5py.Group,
+    phase: Phase,
+    *,
+    t: np.ndarray,
+    x: np.ndarray,
+    u: np.ndarray,
+    costate: np.ndarray | None,
+    parameters: Mapping[str, float],
 ) -> h5py.Dataset:
     """The scale of times t, shape (K,), and all curves over it: x (n_x, K), u (n_u, K), costate (n_x, K) or none."""
     time = scale_of(group, "time", t, "time", phase.time_unit)
@@ -77,10 +84,24 @@ def _write_curves(
     _write_kind(group, "state", phase.states, x, time)
     _write_kind(group, "control", phase.controls, u[:n], time)
     _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
+    _write_functions(group, phase, phase.arguments(t, x, u, parameters), time)
     duals = group_of(group, "costate")  # no unit: the objective has none to begin with
     for state, values in zip(phase.states, () if costate is None else costate, strict=costate is not None):
         array_of(duals, state.name, values, [time], f"costate of {state.name}: objective per unit of {state.name}")
     return time
+
+
+def _write_functions(group: h5py.Group, phase: Phase, values: Mapping[str, np.ndarray], time: h5py.Dataset) -> None:
+    """Outputs, and path constraints over time; not those that are equations, or bounds of one name that is there."""
+    outputs, path = group_of(group, "output"), group_of(group, "path")
+    with np.errstate(all="ignore"):
+        for name, output in phase.outputs.items():
+            curve = np.broadcast_to(output.function(values, np), time.shape)
+            array_of(outputs, name, curve, [time], f"output {name}", unit=output.unit)
+        for constraint in phase.path:
+            if not constraint.bounds.fixed and getattr(constraint.function, "text", "") not in values:
+                curve = np.broadcast_to(constraint.function(values, np), time.shape)
+                array_of(path, constraint.name, curve, [time], f"path constraint {constraint.name}")
 
 
 def _write_kind(

@@ -200,6 +200,9 @@ def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
         what = f'there is no "{unknown[0]}" in {result.path}'
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
     chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
+    if not only:  # named expressions without a unit are parts of others more often than not
+        units = {n: phase.curves["output"][n].unit for phase in result.phases for n in phase.curves.get("output", {})}
+        chosen["output"] = [name for name in chosen["output"] if units[name]]
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
 

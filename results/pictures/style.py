@@ -26,7 +26,14 @@ from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"
-KIND_COLOURS = {"state": BLUE, "control": VERMILION, "algebraic": GREEN, "costate": PURPLE}
+KIND_COLOURS = {
+    "state": BLUE,
+    "control": VERMILION,
+    "algebraic": GREEN,
+    "output": ORANGE,
+    "path": SKY,
+    "costate": PURPLE,
+}
 TIME_COLOURS = "viridis"  # from blue and dark to yellow and light, as in the paper's Figure 9
 
 PARTS = {  # role of a shape -> colour and line style; those of the walker are the paper's

@@ -110,10 +110,10 @@ class PhaseView(_Named):
             for number, ((kind, variable), values) in enumerate(zip(varying, np.vstack([x, u]), strict=True))
         }
         points = Sample(self.trajectory.times, x, u, x, None)
-        for name in phase.outputs:
+        for name, own in phase.outputs.items():
             output = partial(self._output, name)
             values: Array = np.broadcast_to(output(points), points.t.shape)
-            found[name] = self._function("output", Variable(name), values, output)
+            found[name] = self._function("output", Variable(name, own.unit), values, output)
         return found
 
     @cached_property
@@ -133,7 +133,7 @@ class PhaseView(_Named):
     def _output(self, name: str, sample: Sample) -> Array:
         phase, parameters = self.trajectory.phase, self.trajectory.parameters
         with np.errstate(all="ignore"):
-            values: Array = phase.outputs[name](phase.arguments(sample.t, sample.x, sample.u, parameters), np)
+            values: Array = phase.outputs[name].function(phase.arguments(sample.t, sample.x, sample.u, parameters), np)
         return values
 
     def _members(self) -> Mapping[str, Any]:

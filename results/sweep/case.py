@@ -7,6 +7,7 @@ and may run where the folder is not.
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -29,6 +30,12 @@ from .check import in_case
 
 INTERRUPTED, MISTAKE, ERROR, WORKER_DIED = "interrupted", "mistake", "error", "worker died"
 """What can become of a case besides the statuses of the engine."""
+
+KEY = "[0-9a-f]{20}"
+"""What the names of cases look like."""
+
+NUMBERS = ("objective", "objective_error", "final_time")
+"""Of a record; None where there is none."""
 
 Curves = Mapping[str, Guess]
 """Name of a phase -> its curves."""
@@ -172,6 +179,28 @@ def record_of(task: Task, solution: Solution, start: str, key: str) -> dict[str,
     }
     told: dict[str, Any] = plain(record)
     return told
+
+
+def is_record(told: Any) -> bool:
+    """Whether plain data, as a file has them, are what `record_of` or `failed` gives."""
+    return (
+        isinstance(told, dict)
+        and isinstance(told.get("case"), int)
+        and isinstance(told.get("solved"), bool)
+        and isinstance(told.get("values"), dict)
+        and isinstance(told.get("key"), str)
+        and bool(re.fullmatch(KEY if told["solved"] else f"({KEY})?", told["key"]))
+        and all(isinstance(told.get(name), str) for name in ("status", "message", "inaccurate", "start"))
+        and all(isinstance(told.get(name), int | float) for name in ("iterations", "seconds"))
+        and all(isinstance(told.get(name, ""), int | float | None) for name in NUMBERS)
+        and not (told["solved"] and told["objective"] is None)
+        and all(_is_named(told.get(name)) for name in ("initial", "final", "parameters"))
+    )
+
+
+def _is_named(told: Any) -> bool:
+    """Whether it is name -> number, or None for one that is not finite."""
+    return isinstance(told, dict) and all(isinstance(value, int | float | None) for value in told.values())
 
 
 def _ends(trajectory: Any, index: int) -> dict[str, float]:

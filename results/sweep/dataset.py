@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import h5py
 import numpy as np
 
 from ...problems.files import replacing
 from ...problems.yaml.document import value_of
-from ..file.arrays import array_of, scale_of
+from ..file.arrays import array_of, content_of, file_in_memory, scale_of
 from ..file.arrays import texts as texts_of
 from .plan import GRID, Plan
 from .tables import SCALARS, TEXTS, Record, column, groups
@@ -32,7 +31,7 @@ def write_arrays(path: Path, plan: Plan, records: Mapping[int, Record], about: M
     about: attributes; "units" maps the names of states, parameters and "time" to theirs.
     """
     units = about.get("units", {})
-    with h5py.File(uuid4().hex, "w", driver="core", backing_store=False, track_order=True) as file:
+    with file_in_memory() as file:
         file.attrs.update({key: value for key, value in about.items() if key != "units"})
         named = groups(records.values())
         pairs = [(group, name) for group, names in named.items() for name in names]
@@ -51,8 +50,7 @@ def write_arrays(path: Path, plan: Plan, records: Mapping[int, Record], about: M
         for name, words in TEXTS.items():
             texts = [records[n][name] if n in records else "missing" * (name == "status") for n in range(len(plan))]
             array_of(file, name, texts_of(texts).reshape(plan.shape), scales, words)
-        file.flush()
-        image = file.id.get_file_image()
+        image = content_of(file)
     with replacing(path) as temporary:
         temporary.write_bytes(image)
 

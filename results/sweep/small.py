@@ -13,7 +13,10 @@ import numpy as np
 from ...problems.problem import Guess
 from .case import Curves
 
-BROKEN = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError)
+BROKEN = (
+    OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError, TypeError, AttributeError,
+    RecursionError, MemoryError,
+)  # fmt: skip
 """What `unpacked` may raise."""
 
 
@@ -34,6 +37,8 @@ def packed(record: Mapping[str, Any], curves: Curves) -> bytes:
 def unpacked(content: bytes) -> tuple[dict[str, Any], Curves]:
     """The way back. Raises one of BROKEN if a part is missing or differs from its check sum."""
     with zipfile.ZipFile(BytesIO(content)) as parts:
+        if sum(part.file_size for part in parts.infolist()) > len(content):
+            raise ValueError("its parts are larger than it: nothing here is compressed")
         if parts.testzip() is not None:
             raise ValueError("a check sum is wrong")
     with np.load(BytesIO(content), allow_pickle=False) as arrays:

@@ -24,7 +24,7 @@ from typing import Any
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import check_writable, replacing
-from .case import Answer, Curves
+from .case import Answer, Curves, is_record
 from .locks import Lock, locked
 from .plan import Plan
 from .small import BROKEN, packed, unpacked
@@ -116,7 +116,7 @@ class Store:
         try:
             known = json.loads(path.read_text(encoding="utf-8"))
             there = known["format"], known["format_version"]
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise SpecError(Mistake(str(path), "it cannot be read", remedy)) from error
         if there != (FORMAT, VERSION):
             raise SpecError(Mistake(str(path), "it is of another version of trajopt", remedy))
@@ -160,11 +160,10 @@ class Store:
 
     def _belongs(self, record: Any) -> bool:
         """Whether it is a record of this sweep."""
-        try:
-            number = record["case"]
-            return 0 <= number < len(self.plan) and record["values"] == self.plan.values(number)
-        except (TypeError, KeyError):
+        if not is_record(record):
             return False
+        number = record["case"]
+        return 0 <= number < len(self.plan) and record["values"] == self.plan.values(number)
 
     def refreshed(self) -> dict[int, dict[str, Any]]:
         """The records with those that the other shards have finished by now."""
@@ -265,5 +264,5 @@ def append(stream: FileIO | None, line: bytes) -> None:
 def _json(line: bytes) -> Any:
     try:
         return json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None

@@ -11,13 +11,14 @@ from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .good import GOOD, IMPLICIT
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
+from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
 from .values import KEYS, NUMBERS, STRANGE
 
-__all__ = ["CASES", "GOOD", "IMPLICIT", "METHODS", "Case", "write"]
+__all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLES", "Case", "write"]
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
 ]

@@ -259,9 +259,7 @@ class PhaseBuilder(ABC):
 
 def _uses_time(phase: Phase) -> bool:
     """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
-    constraints = (*phase.residuals, *phase.path, *phase.integral)
-    functions = [state.rate for state in phase.states] + [c.function for c in constraints]
-    return any("t" in names_asked(function) for function in functions + ([phase.lagrange] if phase.lagrange else []))
+    return any("t" in names_asked(function) for function in phase.over_time)
 
 
 def bound(variable: Any, bounds: Range, value: float) -> None:

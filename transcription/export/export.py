@@ -14,6 +14,7 @@ from pathlib import Path
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.files import check_writable, replacing
+from ...problems.names.lookups import tables_of
 from ...problems.problem import Problem
 from ..layout import Transcription
 from ..schemes.mesh import Mesh
@@ -39,6 +40,11 @@ def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = F
         what = f"'{path.suffix}' is no format of 'trajopt export'" if path.suffix else "the name has no suffix"
         raise SpecError(Mistake(str(path), what, f"end the name with one of {', '.join(FORMATS)}"))
     written = [path, *(path.with_suffix(suffix) for suffix in (".row", ".col") if path.suffix == ".nl")]
+    tables = [table for phase in problem.phases for table in tables_of(phase)]
+    if path.suffix != ".tex" and tables:
+        what = f"the table {tables[0]} cannot be written to {path.suffix}, whose formulas have no tables of data"
+        remedy = "end the name with .tex, or write a formula in place of the table"
+        raise SpecError(Mistake(str(path), what, remedy))
     for target in written:
         check_writable(target, force)
     expanded = transcribe(problem, meshes, templates=False)

@@ -53,6 +53,7 @@ class Piece:
 LEFT, RIGHT = Piece("(", 0.8), Piece(")", 0.8)
 TALL_LEFT, TALL_RIGHT = Piece(r"\biggl(", 1.5), Piece(r"\biggr)", 1.5)
 PLUS, MINUS, SLASH = Piece("+ ", 2.4), Piece("- ", 2.4), Piece("/ ", 1.0)
+COMMA = Piece(r",\ ", 1.0)
 BESIDE, TIMES = Piece(r"\,", 0.4), Piece(r"\cdot ", 1.5)
 EQUAL, AT_MOST = Piece("= ", 2.7), Piece(r"\leq ", 2.7)
 
@@ -181,6 +182,13 @@ def call(function: str, a: Formula) -> Formula:
     return replace(replace(a, binding=Binding.SUM).size(Binding.ATOM).behind(command), binding=Binding.CALL)
 
 
+def looked_up(table: str, operands: Sequence[Formula]) -> Formula:
+    """A table of data at its operands."""
+    pieces = [piece for operand in operands for piece in operand.signed().before(COMMA).pieces]
+    inside = Formula((*pieces[:-1], replace(pieces[-1], text=pieces[-1].text.removesuffix(COMMA.text))), Binding.SUM)
+    return replace(inside.size(Binding.ATOM).behind(Piece(_word(table), len(table))), binding=Binding.CALL)
+
+
 def related(sign: Piece, *sides: Formula) -> Formula:
     """Sides with an equality or an inequality between them."""
     first, *others = map(Formula.signed, sides)
@@ -222,6 +230,7 @@ _NODES = {
     ne.NegationExpression: lambda node, parts: negation(*parts),
     ne.PowExpression: lambda node, parts: power(*parts),
     ne.UnaryFunctionExpression: lambda node, parts: call(node.getname(), *parts),
+    ne.ExternalFunctionExpression: lambda node, parts: looked_up(node.getname(), parts[:-1]),  # of tables only
     relation.EqualityExpression: lambda node, parts: related(EQUAL, *parts),
     relation.InequalityExpression: lambda node, parts: related(AT_MOST, *parts),
     relation.RangedExpression: lambda node, parts: related(AT_MOST, *parts),

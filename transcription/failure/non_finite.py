@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import symengine as se
 
+from ...problems.probe import names_asked
 from ...problems.problem import Function, Phase, Variable
 from ...problems.text import shorten
 from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL
 from ..layout import Transcription
+from ..program.pointwise import PointFunctions
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import constraint_named
 
@@ -44,24 +45,22 @@ def _value_fault(function: Function, values: dict, _: Phase) -> tuple[str, int, 
 
 def _derivative_fault(function: Function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
     """The same for its first or second derivatives, which IPOPT needs as well."""
-    symbols = {name: se.Symbol(name) for name in values}
-    expression = se.sympify(function(symbols, se))
-    names = [name for name, symbol in symbols.items() if symbol in expression.free_symbols]
     times = ("t", "t[initial]", "t[final]") if phase.initial_time.fixed and phase.final_time.fixed else ()
-    unknowns = [name for name in names if name not in times]
-    if not unknowns:
-        return None
-    first = [expression.diff(symbols[name]) for name in unknowns]
-    second = [slope.diff(symbols[name]) for slope in first for name in unknowns]
+    data = [name for name in values if name in times]
+    unknowns = [name for name in values if name not in times]
+    compiled = PointFunctions([function], unknowns, data, dict.fromkeys(("differentiate", "compile"), 0.0))
+    names = (*unknowns, *data)
     points = np.stack(np.broadcast_arrays(*(np.asarray(values[name], float) for name in names)), axis=-1)
-    for order, derivatives in (("derivative", first), ("second derivative", second)):
-        numbers = se.Lambdify([symbols[name] for name in names], derivatives)(points).reshape(len(points), -1)
+    first, second = compiled.jacobian(points), compiled.hessian(points, np.ones((len(points), 1)))
+    asked = names_asked(function)
+    for order, numbers in (("derivative", first), ("second derivative", second)):
         bad = np.argwhere(~np.isfinite(numbers))
         if len(bad):
-            i, j = bad[0].tolist()
+            i, *_, j = bad[0].tolist()
             text = shorten(getattr(function, "text", "this function"))
-            what = f'the {order} of "{text}" by {unknowns[j % len(unknowns)]} is not finite'
-            return what, i, dict(zip(names, points[i].tolist(), strict=True))
+            what = f'the {order} of "{text}" by {unknowns[j]} is not finite'
+            there = zip(names, points[i].tolist(), strict=True)
+            return what, i, {name: value for name, value in there if name in asked}
     return None
 
 

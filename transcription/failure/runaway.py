@@ -6,13 +6,14 @@ denominator to zero, beyond which the quotient has the other sign.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import symengine as se
 
 from ...problems.problem import Function
+from ...problems.tables.table import Table
 from ...problems.text import shorten
 from ..engines.outcome import Outcome
 from ..layout import Transcription
@@ -77,13 +78,12 @@ def _divisions(trajectory: Trajectory) -> Iterator[str]:
     owners: list[tuple[str, Function]] = [("the objective", phase.lagrange)] if phase.lagrange else []
     owners += [(f"the rate of {state.name}", state.rate) for state in phase.states]
     for owner, function in owners:
-        symbols = {name: se.Symbol(name) for name in values}
-        for base in _denominators(se.sympify(function(symbols, se))):
-            names = [name for name in values if symbols[name] in base.free_symbols]
+        symbolic = _Symbolic(values)
+        for base in _denominators(se.sympify(function(symbolic.symbols, symbolic))):
+            names = symbolic.names(base)
             if not names:
                 continue
-            points = np.stack(np.broadcast_arrays(*(np.asarray(values[name], float) for name in names)), axis=-1)
-            den = np.asarray(se.Lambdify([symbols[name] for name in names], [base])(points)).ravel()
+            den, points = symbolic.numbers(base)
             at = int(np.argmin(np.abs(den)))
             if abs(den[at]) <= NEAR_ZERO * np.abs(den).max() or (den.min() < 0 < den.max()):
                 text, where = shorten(str(base)), f"{names[0]} = {points[at, 0]:.3g}, t = {values['t'][at]:.6g}"
@@ -91,6 +91,39 @@ def _divisions(trajectory: Trajectory) -> Iterator[str]:
                     f"{owner}{of_phase(phase.name)} divides by {text}, which runs to zero ({where}), so there is no "
                     f"limit to it: give {names[0]} a bound that keeps {text} away from zero"
                 )
+
+
+class _Symbolic:
+    """SymEngine, which has no tables of data: what one gives is a symbol of its own, called as the table is called.
+
+    values: name of each symbol -> its values at points, (K,). symbols: the symbols by these names.
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.values, self.symbols = dict(values), {name: se.Symbol(name) for name in values}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(se, name)
+
+    def table_value(self, table: Table, operands: Sequence[Any]) -> se.Symbol:
+        arguments = [se.sympify(operand) for operand in operands]
+        name = f"{table.name}({', '.join(map(str, arguments))})"
+        if name not in self.symbols:
+            self.values[name] = table(*(self.numbers(argument)[0] for argument in arguments))
+            self.symbols[name] = se.Symbol(name)
+        return self.symbols[name]
+
+    def names(self, expression: se.Basic) -> list[str]:
+        return [name for name, symbol in self.symbols.items() if symbol in expression.free_symbols]
+
+    def numbers(self, expression: se.Basic) -> tuple[np.ndarray, np.ndarray]:
+        """The values of an expression, (K,), and those of the names in it, (K, names); K is 1 where there are none."""
+        names = self.names(expression)
+        if not names:
+            return np.array([float(expression)]), np.zeros((1, 0))
+        points = np.stack(np.broadcast_arrays(*(np.asarray(self.values[name], float) for name in names)), axis=-1)
+        code = se.Lambdify([self.symbols[name] for name in names], [expression])
+        return np.asarray(code(np.atleast_2d(points))).ravel(), points
 
 
 def _denominators(expression: Any) -> Iterator[Any]:

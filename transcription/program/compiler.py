@@ -23,11 +23,13 @@ import symengine as se
 from pyomo.common.collections import ComponentMap
 from pyomo.core import Constraint, Objective, minimize
 
+from .backend import available_backend
 from .bodies import placeholder_of, product_of, relation_of, without_sums
 from .contract import callback
 from .family import CompiledFamily, Entries
-from .machine_code import available_backend, compile_family, timing
-from .symbolic import Arguments, Slots
+from .machine_code import compile_family, timing
+from .slots import Slots
+from .symbolic import Arguments
 from .templates import TemplateError, template_of
 
 
@@ -123,10 +125,10 @@ class CompiledNLP:
         return Arguments(self._slots, np.zeros(1, int) if over is None else np.array(list(over)))
 
     def _family(self, components: Any, over: Any, arguments: Any, outputs: Any, rows: np.ndarray) -> CompiledFamily:
-        code = compile_family(
-            [se.sympify(y) for y in outputs], len(arguments.variables), len(arguments.data), self._backend, self.seconds
-        )
-        return CompiledFamily(components, over, arguments, rows, code)
+        sizes = len(arguments.variables), len(arguments.data)
+        outputs = [se.sympify(y) for y in outputs]
+        code = compile_family(outputs, *sizes, self._backend, self.seconds, arguments.lookups)
+        return CompiledFamily(components, over, arguments, rows, code, self._backend)
 
     def slot(self, leaf: Any) -> int:
         """Where the number of a fixed variable or of a parameter stands, for `number` and `with_numbers`."""
@@ -195,7 +197,7 @@ class CompiledNLP:
             return
         self._numbers[: self.n] = z
         for f in self._families:
-            f.variables[:] = self._numbers.take(f.columns)
+            f.move(self._numbers)
 
     def culprits(self, kind: str, values: np.ndarray) -> list[tuple[str, int | None]]:
         """What is not finite in a callback: (component name, index) each."""

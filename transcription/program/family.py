@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .contract import cross_factor
+from .lookups import Filled
 from .machine_code import Code, compile_family
 from .symbolic import Arguments
 
@@ -49,13 +50,19 @@ class CompiledFamily:
     one output are added up into one row.
     """
 
-    def __init__(self, components: list, over: Any, arguments: Arguments, rows: np.ndarray, code: Code) -> None:
+    def __init__(
+        self, components: list, over: Any, arguments: Arguments, rows: np.ndarray, code: Code, backend: str
+    ) -> None:
         self.components, self.over, self.rows, self.code = components, over, rows, code
         self.index = None if over is None else arguments.values
         size = len(arguments.values)
         self.columns = np.array(arguments.variable_slots, dtype=np.intp).reshape(-1, size).T.copy()
         self.data_slots = np.array(arguments.data_slots, dtype=np.intp).reshape(-1, size).T
-        self.arguments = np.zeros((size, self.columns.shape[1] + self.data_slots.shape[1] + len(components)))
+        given = self.columns.shape[1] + self.data_slots.shape[1]
+        self.lookups = arguments.lookups
+        looked_up = sum(len(own.symbols) for own in self.lookups)
+        self.tables = Filled(self.lookups, code.passes, given, backend)
+        self.arguments = np.zeros((size, given + looked_up + len(components)))
         self._view()
         self.functions = {"constraints": code.value, "jacobian": code.jacobian, "hessian": code.hessian}
 
@@ -75,6 +82,11 @@ class CompiledFamily:
         """Read the data of every index from the vector of all numbers."""
         k = self.columns.shape[1]
         self.arguments[:, k : k + self.data_slots.shape[1]] = numbers[self.data_slots]
+
+    def move(self, numbers: np.ndarray) -> None:
+        """Take the variables from z and what stands behind it, shape (slots,), and look up what depends on them."""
+        self.variables[:] = numbers.take(self.columns)
+        self.tables.fill(self.arguments)
 
     def jacobian_entries(self, n: int) -> Entries:
         o, j = self.code.jacobian_at.T
@@ -107,8 +119,8 @@ class CompiledFamily:
     def _bad_hessians(self, o: int) -> set[int]:
         """The s where output o alone has a Hessian that is not finite; the compiled one is a sum over the outputs."""
         last = self.arguments.shape[1] - len(self.components)
-        n, seconds = self.columns.shape[1], {"differentiate": 0.0, "compile": 0.0}
-        one = compile_family([self.code.outputs[o]], n, last - n, "lambda", seconds)
+        n, m, seconds = self.columns.shape[1], self.data_slots.shape[1], {"differentiate": 0.0, "compile": 0.0}
+        one = compile_family([self.code.outputs[o]], n, m, "lambda", seconds, self.lookups)
         if one.hessian is None:
             return set()
         arguments = np.column_stack([self.arguments[:, :last], np.ones(len(self.arguments))])

@@ -8,8 +8,11 @@ import numpy as np
 import pyomo.core as pyomo
 import symengine as se
 
-from .machine_code import Code, available_backend, compile_family, compile_values, timing
-from .symbolic import Arguments, Slots
+from .backend import available_backend
+from .lookups import Filled, Lookup
+from .machine_code import Code, compile_family, compile_values, timing
+from .slots import Slots
+from .symbolic import Arguments
 
 
 class PointFunctions:
@@ -24,11 +27,14 @@ class PointFunctions:
     ) -> None:
         self.names, self.size = (*variables, *data), len(variables)
         with timing(seconds, "differentiate"):
-            outputs = _translate(functions, variables, data)
+            outputs, lookups = _translate(functions, variables, data)
         self.outputs = len(outputs)
         self.code: Code | None = None
+        self.looked_up = sum(len(own.symbols) for own in lookups)
         if outputs:
-            self.code = compile_family(outputs, len(variables), len(data), available_backend(), seconds)
+            backend = available_backend()
+            self.code = compile_family(outputs, len(variables), len(data), backend, seconds, lookups)
+            self.tables = Filled(lookups, self.code.passes, len(self.names), backend)
 
     def values(self, arguments: np.ndarray) -> np.ndarray:
         """y, shape (..., n_y)."""
@@ -54,28 +60,35 @@ class PointFunctions:
 
     def _call(self, function: Callable, arguments: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
         """One call for all points; the compiled functions take the weights as their last arguments, used or not."""
-        full = np.zeros((*arguments.shape[:-1], arguments.shape[-1] + self.outputs))
+        given = arguments.shape[-1] + self.looked_up
+        full = np.zeros((*arguments.shape[:-1], given + self.outputs))
         full[..., : arguments.shape[-1]] = arguments
         if weights is not None:
-            full[..., arguments.shape[-1] :] = weights
+            full[..., given:] = weights
         flat = full.reshape(-1, full.shape[-1])
+        self.tables.fill(flat)
         return function(flat).reshape(*arguments.shape[:-1], -1)
 
 
 def compiled_values(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> Callable:
-    """The functions' values alone, as one function of rows of arguments: variables, data, then a number for each
-    function that is not used.
+    """The functions' values alone, (n_f,), as one function of a row of arguments: variables, data, then a number for
+    each function that is not used.
 
     functions: as `PointFunctions` takes them.
     variables: names.
     data: names.
     """
-    outputs = _translate(functions, variables, data)
-    return compile_values(outputs, len(variables), len(data), available_backend())
+    outputs, lookups = _translate(functions, variables, data)
+    if not lookups:
+        return compile_values(outputs, len(variables), len(data), available_backend())
+    full = PointFunctions(functions, variables, data, {"differentiate": 0.0, "compile": 0.0})
+    return lambda row: full.values(row[: -len(outputs)])
 
 
-def _translate(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> list[se.Basic]:
-    """The functions in the symbols v0, v1, ... and d0, d1, ... that `compile_family` takes."""
+def _translate(
+    functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]
+) -> tuple[list[se.Basic], list[Lookup]]:
+    """The functions in the symbols v0, v1, ... and d0, d1, ... that `compile_family` takes, and what they look up."""
     model = pyomo.ConcreteModel()
     model.variable = pyomo.Var(range(len(variables)))
     model.data = pyomo.Var(range(len(data)), initialize=0.0)
@@ -84,4 +97,5 @@ def _translate(functions: Sequence[Callable], variables: Sequence[str], data: Se
     arguments = Arguments(Slots(list(model.variable.values())), np.zeros(1, int))
     for leaf in leaves.values():  # symbols are numbered in the order of first use
         arguments.leaf(leaf, None)
-    return [se.sympify(arguments.translate(function(leaves, pyomo), None)) for function in functions]
+    outputs = [se.sympify(arguments.translate(function(leaves, pyomo), None)) for function in functions]
+    return outputs, arguments.lookups

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import builtins
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -71,6 +71,12 @@ def item(component: Any, *index: Any) -> Any:
         return component[index]
     node = Numeric_GetItemExpression if component.ctype is Var else NPV_Numeric_GetItemExpression
     return node((component, *index))
+
+
+def table_of(e: Any) -> tuple[Any, Sequence[Any]] | None:
+    """The table of data that an external function looks up, and its operands; None for another function."""
+    table = getattr(e._fcn, "table", None)
+    return None if table is None else (table, e.args[:-1])  # Pyomo adds the number of the function as the last
 
 
 def template_of(component: Any) -> tuple[Any, IndexTemplate | None]:

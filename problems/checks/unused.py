@@ -1,0 +1,36 @@
+"""Names that are declared and then play no part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..expressions.tree import Lookup, Name, nodes
+from ..models import find_model
+from ..names.occurrences import uses
+from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
+from ..schema.spec import Spec
+from ..yaml.locations import Finding
+
+# What should stand in some expression: its role, and the section that declares it.
+_USED = {
+    "parameter": "parameters",
+    "expression": "expressions",
+    CONTROL: "controls",
+    ALGEBRAIC: "algebraic",
+    "static parameter": "optimize",
+    TABLE: "tables",
+}
+
+
+def unused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """A warning for each name that no expression uses; spec: without mistakes."""
+    used = [node for use in uses(spec) for node in nodes(use.expression.root)]
+    named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
+    if spec.model:
+        model = find_model(spec.model)
+        named |= {*model.parameters, *model.controls, *model.algebraic}
+    outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
+    for name, role in symbols.roles.items():
+        if role in _USED and name not in named | outputs:
+            what = f"the {role} {name} is used nowhere"
+            yield Finding((_USED[role], name), what, "remove it, or use it in an expression")

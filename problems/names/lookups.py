@@ -1,0 +1,105 @@
+"""The tables of data of a problem, and what expressions ask of them."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..expressions.expression import Expression
+from ..expressions.tree import Lookup, Name, Node, nodes, skeleton
+from ..problem import Function, Phase, Range
+from ..schema.spec import Spec
+from ..tables.choices import ERROR
+from ..text import excerpt
+from ..yaml.locations import Finding
+
+if TYPE_CHECKING:  # tables import SciPy
+    from ..tables.table import Table
+
+
+def fitted(spec: Spec, findings: list[Finding]) -> dict[str, Table]:
+    """The tables by name; what is mistaken in one is added to the findings, and the table left out."""
+    tables = {}
+    for name, entry in spec.tables.items():
+        if wrong := entry.mistakes():
+            findings += [Finding(("tables", name, *path), what, remedy) for path, what, remedy in wrong]
+        else:
+            tables[name] = replace(entry.curve, name=name)
+    return tables
+
+
+def misused(expression: Expression, tables: Mapping[str, Table]) -> list[tuple[str, str] | None]:
+    """What is wrong with each table that an expression cannot look up, and the remedy; None where the table is.
+
+    expression: of the file.
+    tables: those without mistakes.
+    """
+    found: list[tuple[str, str] | None] = []
+    for node in nodes(expression.root):
+        if not isinstance(node, Lookup):
+            continue
+        table = tables.get(node.table)
+        if table is None:
+            found.append(None)
+        elif len(node.operands) != len(table.axes):
+            where, many = excerpt(expression.text, node.start, node.stop), len(table.axes)
+            wanted = f"{many} argument{'s' * (many > 1)}"
+            found.append((f"{where}: {node.table} takes {wanted}, not {len(node.operands)}", f"write {table.called}"))
+    return found
+
+
+class Kept(NamedTuple):
+    """An argument of a table that has to stay within its points.
+
+    name: the name that the argument is, and end: the end it is taken at; name is "" for any other expression.
+    function: the argument. key: equal for arguments that are the same.
+    """
+
+    table: str
+    argument: str
+    points: Range
+    name: str
+    end: str | None
+    function: Expression
+    key: Hashable
+
+
+def kept(function: Function) -> Iterator[Kept]:
+    """The arguments of tables in a function of a problem, and in what it refers to, that may not leave the points."""
+    if not isinstance(function, Expression):
+        return  # a model's
+    steps = sorted(function.steps.items())  # in the same order at every call: the first gives a constraint its name
+    for root, end in [(function.root, None), *((definition.root, end) for _, (definition, end) in steps)]:
+        for node in (node for node in nodes(root) if isinstance(node, Lookup)):
+            for axis, operand in zip(function.tables[node.table].axes, node.operands, strict=True):
+                if axis.outside == ERROR:
+                    key = skeleton(operand), end
+                    plain = isinstance(operand, Name) and operand.name not in function.definitions
+                    name, at = (operand.name, operand.end or end) if isinstance(operand, Name) and plain else ("", end)
+                    yield Kept(node.table, axis.name, axis.points, name, at, _taken_at(function, operand, end), key)
+
+
+def _taken_at(function: Expression, operand: Node, end: str | None) -> Expression:
+    """A part of what a function refers to as a function, taken at the end that is meant."""
+    text = function.text[operand.start : operand.stop]
+    if end is None:
+        return replace(function, text=text, root=operand)
+    own = "argument of a table"  # no name of a file has spaces
+    definitions = {**function.definitions, own: Expression(text, operand)}
+    return replace(function, text=text, root=Name(0, 0, own, end), definitions=definitions)
+
+
+def tables_of(phase: Phase) -> list[str]:
+    """The names of the tables that the equations of a phase look up."""
+    found: dict[str, None] = {}
+    for function in (*phase.over_time, *phase.at_ends):
+        if isinstance(function, Expression):
+            trees = (function.root, *(definition.root for definition, _ in function.steps.values()))
+            found |= dict.fromkeys(node.table for root in trees for node in nodes(root) if isinstance(node, Lookup))
+    return list(found)
+
+
+def as_called(name: str, tables: Mapping[str, Table]) -> str:
+    """The remedy for the name of a table without arguments."""
+    return f"write {tables[name].called if name in tables else f'{name}(...)'}"

@@ -1,0 +1,252 @@
+"""The layout of a result file, declared once: what is written, and what a file must have before it is read.
+
+A group has members and attributes; `Each` is one of them repeated, under the names of states, say, or under 0, 1, 2.
+Sizes are symbols: wherever one stands within a phase, a mesh or the solver, it is the same number. A name that ends
+with * stands for all that begin so. What is not declared is never opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ...transcription.engines.outcome import Status
+
+TEXT, TEXTS, NUMBER, WHOLE, FLAG, OPTION = (
+    "a text",
+    "a row of texts",
+    "a number",
+    "a whole number",
+    "true or false",
+    "an option",
+)
+"""Kinds of value. TEXTS: an attribute with any number of them. OPTION: a text or a number."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of one axis: that of the symbol, with `plus` more, and at least `least` of it.
+
+    steps: several for each of it, always as many.
+    """
+
+    symbol: str
+    plus: int = 0
+    steps: bool = False
+    least: int = 1
+
+
+POINTS, SEGMENTS, STATES = Size("points"), Size("segments"), Size("states")
+KNOTS, SAMPLES = Size("segments", plus=1), Size("segments", plus=1, steps=True)
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """One attribute. optional: whether it may be missing; along: the attribute without which it is.
+
+    finite: whether it is a finite number. above: what it must exceed, unless it is NaN. one_of: the texts that it may
+    be. size: what it repeats.
+    """
+
+    kind: str
+    optional: bool = False
+    along: str = ""
+    finite: bool = False
+    above: float | None = None
+    one_of: tuple[str, ...] = ()
+    size: Size | None = None
+
+    @property
+    def limited(self) -> bool:
+        """Whether not every value of its kind is allowed."""
+        return self.finite or self.above is not None or bool(self.one_of or self.size)
+
+
+@dataclass(frozen=True)
+class Array:
+    """One dataset, with one size for each axis; none for a single value. optional, along: as of an attribute.
+
+    unless: the member that may stand in its place.
+    ordered: "" for any values; "times": finite, and none before another; "edges": from 0 to 1, each beyond the one
+    before. names: the symbol whose names its texts are. limits: the least and the largest value.
+    """
+
+    kind: str
+    sizes: tuple[Size, ...] = ()
+    optional: bool = False
+    along: str = ""
+    unless: str = ""
+    ordered: str = ""
+    names: str = ""
+    limits: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """A group: name -> what stands in it, and its attributes, by name."""
+
+    members: Mapping[str, Array | Group | Each] = field(default_factory=dict)
+    attributes: Mapping[str, Attribute] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Each:
+    """A group of things that are alike: its members have the names of a symbol, or the numbers 0, 1, 2 and so on.
+
+    least: of them. or_none: whether there may be none of the names. own: whether sizes within one are not those within
+    another. optional: whether the group may be missing.
+    """
+
+    member: Array | Group
+    names: str = ""
+    numbered: bool = False
+    least: int = 0
+    or_none: bool = False
+    own: bool = False
+    optional: bool = False
+
+
+UNITS = Attribute(TEXT, optional=True)
+"""Of every array, by the name `units`."""
+
+MAX_DEGREE = 1000
+"""No method has more: a file cannot ask for a scheme of endless size."""
+
+_STATUS = Attribute(TEXT, one_of=tuple(status.name.lower() for status in Status))
+_OBJECTIVE = {
+    "objective": Attribute(NUMBER),
+    "objective_error": Attribute(NUMBER, optional=True, above=0.0),  # results of older versions have no error bar
+    "objective_corrected": Attribute(NUMBER, optional=True),
+}
+_SECONDS = {"seconds_*": Attribute(NUMBER, finite=True)}
+
+HEAD = Group(attributes={"problem": Attribute(TEXT), "solved": Attribute(FLAG)})
+"""What tells whose result it is."""
+
+VERSION = Group(attributes={"format_version": Attribute(WHOLE)})
+"""What tells whether the rest can be as declared."""
+
+_CURVE = {"points": Array(NUMBER, (POINTS,)), "dense": Array(NUMBER, (SAMPLES,))}
+
+
+def _curves(where: str) -> dict[str, Array | Group | Each]:
+    """The curves of a phase at its points, or on the dense grid, over their times."""
+    curve = _CURVE[where]
+    return {
+        "time": Array(NUMBER, curve.sizes, ordered="times"),
+        "state": Each(curve, names="states", least=1),
+        "control": Each(curve, names="controls"),
+        "algebraic": Each(curve, names="algebraic", optional=True),  # the oldest results lack this and the next
+        "output": Each(curve, names="outputs", optional=True),
+        "path": Each(curve, names="path constraints", optional=True),
+        "costate": Each(curve, names="states", or_none=True, optional=True),
+    }
+
+
+PHASE = Group({
+    "knots": Array(NUMBER, (KNOTS,), ordered="times"),
+    "points": Group(_curves("points")),
+    "dense": Group({**_curves("dense"), "epsilon": Each(_CURVE["dense"], names="states")}),
+    "error": Group(
+        {
+            "segment": Array(WHOLE, (SEGMENTS,)),
+            "state": Array(TEXT, (STATES,), names="states"),
+            "eta": Array(NUMBER, (SEGMENTS, STATES)),
+            "relative": Array(NUMBER, (SEGMENTS,), optional=True),  # older results lack this and the next
+            "excess": Array(NUMBER, (SEGMENTS,), optional=True),
+            "objective": Array(NUMBER, (SEGMENTS,), optional=True),  # where there is an error bar
+        },
+        {
+            "overshoot_share": Attribute(NUMBER, optional=True),  # where anything has bounds
+            "overshoot_name": Attribute(TEXT, along="overshoot_share"),
+            "overshoot_amount": Attribute(NUMBER, along="overshoot_share"),
+            "overshoot_unit": Attribute(TEXT, along="overshoot_share"),
+            "overshoot_time": Attribute(NUMBER, along="overshoot_share"),
+        },
+    ),
+    "parameter": Each(Array(NUMBER), names="parameters"),
+})  # fmt: skip
+"""One phase. Another one repeats it."""
+
+_GRID = {
+    "edges": Array(NUMBER, (KNOTS,), unless="phase", ordered="edges"),
+    "degree": Array(WHOLE, (SEGMENTS,), optional=True, limits=(0, MAX_DEGREE)),  # of a method with a choice
+    "differential": Array(WHOLE, (SEGMENTS,), along="degree", limits=(0, 1)),
+    "segment": Array(WHOLE, (SEGMENTS,), along="degree"),
+}
+_METHOD = {
+    "method": Attribute(TEXT),
+    "segments": Attribute(WHOLE, size=SEGMENTS),
+    "substeps": Attribute(WHOLE, optional=True, above=0),  # of shooting
+    "control": Attribute(TEXT, along="substeps"),
+}
+
+MESH = Group(
+    {**_GRID, "phase": Each(Group(_GRID, _METHOD), names="phases", own=True, optional=True)},
+    {
+        **_METHOD,
+        "tolerance": Attribute(NUMBER, finite=True, above=0.0),
+        "status": _STATUS,
+        **_OBJECTIVE,
+        "max_eta": Attribute(NUMBER),
+        "relative_error": Attribute(NUMBER),
+        "iterations": Attribute(WHOLE, above=-1),
+        "unknowns": Attribute(WHOLE, above=-1),
+        "constraints": Attribute(WHOLE, above=-1),
+        **_SECONDS,
+    },
+)
+"""One mesh of the history; with several phases, that of each is in `phase`."""
+
+_UNKNOWN, _CONSTRAINT, _RECORD = (Size(symbol, least=0) for symbol in ("unknowns", "constraints", "records"))
+
+SOLVER = Group(
+    {
+        "iterations": Group({"number": Array(WHOLE, (_RECORD,)), "*": Array(NUMBER, (_RECORD,))}),
+        "unknown": Array(WHOLE, (_UNKNOWN,)),
+        "constraint": Array(WHOLE, (_CONSTRAINT,)),
+        "z": Array(NUMBER, (_UNKNOWN,)),
+        "z_lower": Array(NUMBER, (_UNKNOWN,)),
+        "z_upper": Array(NUMBER, (_UNKNOWN,)),
+        "y": Array(NUMBER, (_CONSTRAINT,)),
+    },
+    {
+        "violations": Attribute(TEXTS),
+        "unmet": Attribute(TEXTS),
+        "unmet_count": Attribute(WHOLE, above=-1),
+        "stopped": Attribute(TEXT),
+        "notes": Attribute(TEXTS, optional=True),  # results of older versions have none
+        "relief": Attribute(TEXTS, optional=True),
+        "continuation": Attribute(TEXTS, optional=True),
+        **_SECONDS,
+        "*": Attribute(OPTION),
+    },
+)
+"""The point of the solver, how it came there, and its options."""
+
+RESULT = Group(
+    {
+        "spec": Group({"text": Array(TEXT), "full": Array(TEXT)}, {"overrides": Attribute(TEXTS)}),
+        "phase": Each(PHASE, names="phases", least=1, own=True),
+        "mesh": Each(MESH, numbered=True, least=1, own=True),
+        "solver": SOLVER,
+    },
+    {
+        "format": Attribute(TEXT),
+        **VERSION.attributes,
+        **HEAD.attributes,
+        "status": _STATUS,
+        "message": Attribute(TEXT),
+        "remedy": Attribute(TEXT),
+        "trouble": Attribute(TEXT),
+        **_OBJECTIVE,
+        "objective_error_missing": Attribute(TEXT, optional=True),
+        "sense": Attribute(TEXT, one_of=("minimize", "maximize")),
+        "created": Attribute(TEXT),
+        "command": Attribute(TEXT),
+        "trajopt_version": Attribute(TEXT),
+        "pyomo_version": Attribute(TEXT),
+        "ipopt_version": Attribute(TEXT),
+    },
+)
+"""The whole file."""

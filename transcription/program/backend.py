@@ -1,0 +1,41 @@
+"""SymEngine's compiler: LLVM where there is one, else its interpreter."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import symengine as se
+
+LOG = logging.getLogger(__name__)
+# SymEngine eliminates common subexpressions before LLVM sees them. After that its optimizer costs more than it gains:
+# the biped compiles in 0.23 s instead of 0.06 s, to evaluate 1.3 times as fast what is 3 % of a solve.
+OPT_LEVEL = 0
+
+
+@cache
+def available_backend() -> str:
+    """ "llvm" where SymEngine was built with it, else "lambda", its interpreter: slower, the same numbers."""
+    x = se.Symbol("x")
+    try:
+        se.Lambdify([x], [x], backend="llvm")
+    except (ValueError, RuntimeError):
+        LOG.warning("this SymEngine has no LLVM: derivatives are interpreted, which is slower but as exact")
+        return "lambda"
+    return "llvm"
+
+
+def lambdify(
+    inputs: Sequence[se.Symbol], expressions: Sequence[se.Basic], backend: str, opt_level: int = OPT_LEVEL
+) -> Any:
+    """Compiled code of expressions, called with rows of inputs.
+
+    inputs: the symbols, in the order of a row.
+    expressions: at least one.
+    backend: "llvm" or "lambda", of SymEngine's Lambdify.
+    opt_level: how hard LLVM tries, from 0 to 3.
+    """
+    options = {"backend": backend, "cse": True, **({"opt_level": opt_level} if backend == "llvm" else {})}
+    return se.Lambdify(inputs, expressions, **options)
