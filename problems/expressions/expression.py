@@ -52,10 +52,7 @@ class Expression:
     tables: Mapping[str, Table] = field(default_factory=dict, repr=False, compare=False)
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
-        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once.
-
-        A parameter that is among the values stands for itself: where it is to be data, not a number.
-        """
+        """The value; `functions` is numpy or pyomo.core. A parameter among the values is not taken for its number."""
         return _Walk(values, functions).evaluate(self)
 
     def bind(
@@ -99,8 +96,8 @@ class Expression:
     @cached_property
     def constants(self) -> frozenset[str]:
         """The parameters that stand in the expression or in a definition that is needed."""
-        roots = [self.root, *(definition.root for definition, _ in self.steps.values())]
-        return frozenset(leaf.name for root in roots for leaf in leaves(root)) & self.parameters.keys()
+        own = (self, *(definition for definition, _ in self.steps.values()))
+        return frozenset(leaf.name for part in own for leaf in leaves(part.root)) & self.parameters.keys()
 
     @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
@@ -108,8 +105,6 @@ class Expression:
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, set[str]] = {}
         waiting = [(n.name, n.end) for n in leaves(self.root) if n.name in self.definitions]
-        if not waiting:
-            return found
         while waiting:
             name, end = waiting.pop()
             key = self._key(name, end)
@@ -162,8 +157,8 @@ class _Walk:
 
     def evaluate(self, expression: Expression) -> Any:
         self.key, self.tables = expression._key, expression.tables
-        given, numbers, number = self.values, expression.parameters, self.number
-        self.scope = {n: given[n] if n in given else number(numbers[n]) for n in expression.constants}
+        numbers, given = expression.parameters, self.values
+        self.scope = {n: given[n] if n in given else self.number(numbers[n]) for n in expression.constants}
         for key, (definition, end) in expression.steps.items():
             self.scope[key] = self.start(definition, end)
         return self.start(expression, None)

@@ -24,12 +24,11 @@ from pyomo.common.collections import ComponentMap
 from pyomo.core import Constraint, Objective, minimize
 
 from .backend import available_backend
-from .bodies import placeholder_of, product_of, relation_of, without_sums
 from .contract import callback
 from .family import CompiledFamily, Entries
 from .machine_code import compile_family, timing
 from .slots import Slots
-from .symbolic import Arguments
+from .symbolic import Arguments, placeholder_of, product_of, relation_of, without_sums
 from .templates import TemplateError, template_of
 
 

@@ -79,7 +79,8 @@ def compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
     if key not in _values:
         if len(_values) >= CODE_LIMIT:
             _values.pop(next(iter(_values)))
-        _values[key] = lambdify(sum(_symbols(n_variables, n_data, len(outputs)), []), list(outputs), backend)
+        v, d, w = _symbols(n_variables, n_data, len(outputs))
+        _values[key] = lambdify(v + d + w, list(outputs), backend)
     return _values[key]
 
 
