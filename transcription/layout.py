@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -88,10 +88,21 @@ def places(
     return x, u, np.array([time(0), time(1)])
 
 
+class Unknown(NamedTuple):
+    """A free variable: its initial value and its bounds, None where there is none."""
+
+    value: float
+    bounds: tuple[float | None, float | None]
+
+
 @short_repr
 @dataclass(frozen=True)
 class Transcription:
-    """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where."""
+    """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where.
+
+    variables: those of Pyomo, or `Unknown`; then the numbers in the model, if there is one, are not those of this
+    problem (see `collocation.kept`).
+    """
 
     problem: Problem
     model: Any

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,13 +18,23 @@ from .schemes.mesh import Mesh
 Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
 
 
+class Program(NamedTuple):
+    """A problem ready to be solved. built: `time.perf_counter` when the transcription was there, but not yet nlp."""
+
+    transcription: Transcription
+    nlp: NonlinearProgram
+    built: float
+
+
 @dataclass(frozen=True)
 class MethodKind:
     """refused: why a phase cannot be transcribed on its mesh. transcribe: as `transcribe.transcribe`, all of its
     arguments given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
+    kept: both at once, where programs are kept for the next problem that differs in numbers only.
     """
 
     refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
     transcribe: Transcribe
     compiled: Callable[[Any], NonlinearProgram]
     costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
+    kept: Callable[[Problem, Sequence[Mesh], Sequence[Curves]], Program] | None = None

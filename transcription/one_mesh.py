@@ -26,7 +26,7 @@ from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
 from .starts.warm import Solved, warm_start
-from .transcribe import compiled, transcribe, with_costates
+from .transcribe import program, with_costates
 
 LARGE, COARSE = 400, 100
 """Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
@@ -131,10 +131,8 @@ def _run(
 ) -> Found:
     clock = [time.perf_counter()]
     with building():
-        transcription = transcribe(problem, meshes, start.guess)
-        clock.append(time.perf_counter())
-        nlp = compiled(transcription)
-        clock.append(time.perf_counter())
+        transcription, nlp, built = program(problem, meshes, start.guess)
+        clock += [built, time.perf_counter()]
         z, lower, upper = bounded_start(transcription)
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None

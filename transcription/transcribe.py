@@ -6,6 +6,7 @@ imported when it is used.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -13,11 +14,11 @@ import numpy as np
 
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
-from .collocation import model
+from .collocation import kept, model
 from .collocation.differences import refused_by_differences
 from .engines.outcome import Outcome
 from .layout import Transcription
-from .method_kind import MethodKind
+from .method_kind import MethodKind, Program
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
@@ -43,7 +44,7 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
-    "collocation": lambda: MethodKind(_nothing_refused, model.by_model, model.compiled_model, costates),
+    "collocation": lambda: MethodKind(_nothing_refused, model.by_model, model.compiled_model, costates, kept.program),
     "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates),
     "shooting": _shooting,
 }
@@ -105,6 +106,24 @@ def _kind_of(transcription: Transcription) -> MethodKind:
 def compiled(transcription: Transcription) -> NonlinearProgram:
     """The nonlinear program of a transcription."""
     return _kind_of(transcription).compiled(transcription)
+
+
+def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None) -> Program:
+    """The transcription of a problem and its nonlinear program, as of `transcribe` and `compiled`.
+
+    problem, meshes, guess: as `transcribe` takes them.
+
+    What was compiled for a problem that differs in numbers only serves again: then the Pyomo model of the transcription
+    has the numbers of that one, and is good for names alone.
+    """
+    if mistakes := list(refused(problem, meshes)):
+        raise SpecError(mistakes)
+    start, kind = guess or [phase.guess for phase in problem.phases], _kind_of_all(problem, meshes)
+    if kind.kept:
+        return kind.kept(problem, meshes, start)
+    transcription = kind.transcribe(problem, meshes, start, True)
+    built = time.perf_counter()
+    return Program(transcription, kind.compiled(transcription), built)
 
 
 def with_costates(

@@ -52,7 +52,7 @@ class Expression:
     tables: Mapping[str, Table] = field(default_factory=dict, repr=False, compare=False)
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
-        """The value; `functions` is numpy or pyomo.core. Each definition is evaluated once."""
+        """The value; `functions` is numpy or pyomo.core. A parameter among the values is not taken for its number."""
         return _Walk(values, functions).evaluate(self)
 
     def bind(
@@ -94,11 +94,17 @@ class Expression:
         return frozenset().union(self._keys(self.root, None), *inner) - self.steps.keys() - self.parameters.keys()
 
     @cached_property
+    def constants(self) -> frozenset[str]:
+        """The parameters that stand in the expression or in a definition that is needed."""
+        own = (self, *(definition for definition, _ in self.steps.values()))
+        return frozenset(leaf.name for part in own for leaf in leaves(part.root)) & self.parameters.keys()
+
+    @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
         """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, set[str]] = {}
-        waiting = [(n.name, n.end) for n in leaves(self.root)]
+        waiting = [(n.name, n.end) for n in leaves(self.root) if n.name in self.definitions]
         while waiting:
             name, end = waiting.pop()
             key = self._key(name, end)
@@ -151,7 +157,8 @@ class _Walk:
 
     def evaluate(self, expression: Expression) -> Any:
         self.key, self.tables = expression._key, expression.tables
-        self.scope = {name: self.number(value) for name, value in expression.parameters.items()}
+        numbers, given = expression.parameters, self.values
+        self.scope = {n: given[n] if n in given else self.number(numbers[n]) for n in expression.constants}
         for key, (definition, end) in expression.steps.items():
             self.scope[key] = self.start(definition, end)
         return self.start(expression, None)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..expressions.expression import Expression, Fault
-from ..expressions.tree import External, Name, Node, count, leaves
+from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
 from ..problem import Function, Range
@@ -104,7 +104,10 @@ class Symbols:
 
     def number(self, expression: Expression | None, default: float) -> float:
         """The value of an expression of parameters; `default` if there is none."""
-        return default if expression is None else self.function(expression).constant()
+        if expression is None:
+            return default
+        # Most are plain numbers, and there are hundreds of them in a file.
+        return expression.root.value if isinstance(expression.root, Number) else self.function(expression).constant()
 
     def constant_value(self, root: Node) -> float | None:
         """The value of a tree of parameters alone, None for another."""
@@ -135,6 +138,8 @@ class Symbols:
 
     def fault(self, expression: Expression) -> Fault | None:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""
+        if isinstance(expression.root, Number):
+            return None
         return expression.bind(self._fixed_in(expression), {}, tables=self.tables).fault({})
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:

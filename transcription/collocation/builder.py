@@ -29,8 +29,10 @@ from .place import Place, Values
 class PhaseBuilder(ABC):
     """Fills the block of one phase; a method is a subclass with `stored`, `places`, `dynamics` and `end_values`."""
 
-    def __init__(self, block: Any, p: Mapping[str, Any], phase: Phase, mesh: Mesh) -> None:
+    def __init__(self, block: Any, p: Mapping[str, Any], data: Mapping[str, Any], phase: Phase, mesh: Mesh) -> None:
+        """p: the static parameters by name; data: what stands for the parameters of the file that are data."""
         self.block, self.p, self.phase, self.mesh = block, p, phase, mesh
+        self.constants = {**p, **data}
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
         self.owners: dict[str, np.ndarray] = {}
@@ -127,7 +129,7 @@ class PhaseBuilder(ABC):
         makers = {name: (block.x, name) for name in states}
         makers |= {name: (component, name) for component, name in self.inputs if inputs}
         values = Values(makers, k, self._time)
-        values.update(self.p)
+        values.update(self.constants)
         return values
 
     def _time(self, k: Any) -> Any:
@@ -135,10 +137,10 @@ class PhaseBuilder(ABC):
 
     def ends(self) -> dict[str, Any]:
         """The values at both ends of the phase, by names such as "q1[final]"."""
-        values = dict(self.p)
+        values = dict(self.constants)
         for end, last in (("initial", False), ("final", True)):
             at_end = self.end_values(last)
-            values |= {f"{name}[{end}]": at_end[name] for name in at_end.names() if name not in self.p}
+            values |= {f"{name}[{end}]": at_end[name] for name in at_end.names() if name not in self.constants}
             values[f"t[{end}]"] = self.block.tF if last else self.block.t0
         return values
 

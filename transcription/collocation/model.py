@@ -23,14 +23,16 @@ the band of each follows that of the one before; links, on the ends of several, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
-from pyomo.core import Block, ConcreteModel, Constraint, Objective, Var
+from pyomo.core import Any as AnyValue
+from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, Var
 
+from ...problems.expressions.structure import Form
 from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
 from ..constraint_kinds import LINK
@@ -41,6 +43,7 @@ from ..schemes.mesh import Mesh
 from ..schemes.segment import KindOfMethod
 from .builder import PhaseBuilder, between, bound
 from .differences import DifferenceBuilder
+from .forms import forms_of
 from .segments import CollocationBuilder
 
 BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
@@ -54,22 +57,28 @@ def by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], 
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
     """
+    forms = forms_of(problem) if templates else None
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
     for parameter in problem.parameters:
         bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
     model.phase = Block([phase.name for phase in problem.phases])
     p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
-    builders = [
-        BUILDERS[mesh.schemes[0].kind](model.phase[phase.name], p, phase, mesh)
-        for phase, mesh in zip(problem.phases, meshes, strict=True)
+    blocks = [model.phase[phase.name] for phase in problem.phases]
+    data = [
+        _data(block, form) for block, form in zip(blocks, forms.phases if forms else [None] * len(blocks), strict=True)
     ]
-    with templated() if templates else nullcontext():
+    linked = _data(model, forms.links if forms else None)
+    builders = [
+        BUILDERS[mesh.schemes[0].kind](block, p, own, phase, mesh)
+        for block, own, phase, mesh in zip(blocks, data, problem.phases, meshes, strict=True)
+    ]
+    with templated() if forms else nullcontext():
         for builder, start in zip(builders, guess, strict=True):
             builder.variables(start)
             builder.constraints()
-        links = _links(model, problem, builders)
-        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders))
+        links = _links(model, problem, builders, linked)
+        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked))
     unknowns = _Unknowns()
     layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
     parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)
@@ -82,13 +91,21 @@ def compiled_model(transcription: Transcription) -> CompiledNLP:
     return CompiledNLP(transcription.model, transcription.variables)
 
 
-def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder]) -> list[Family]:
+def _data(block: Any, form: Form | None) -> dict[str, Any]:
+    """Numbers of the file that stay symbols: a Param of the block for each."""
+    if form is None or not form.data:
+        return {}
+    block.number = Param(list(form.data), mutable=True, within=AnyValue, initialize=dict(form.data))
+    return {name: block.number[name] for name in form.data}
+
+
+def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder], data: Mapping[str, Any]) -> list[Family]:
     """Add the constraints between phases to a model whose phases are filled, and tell what they are."""
     families = []
     for number, link in enumerate(problem.links):
 
         def rule(m: Any, *, c: PathConstraint = link) -> Any:  # Pyomo takes a positional one for an index
-            return between(c.bounds, c.function(_all_ends(builders), pyomo))
+            return between(c.bounds, c.function({**_all_ends(builders), **data}, pyomo))
 
         constraint = Constraint(rule=rule)
         model.add_component(f"link{number}", constraint)
@@ -105,9 +122,9 @@ def _all_ends(builders: Sequence[PhaseBuilder]) -> dict[str, Any]:
     return values
 
 
-def _cost(problem: Problem, builders: Sequence[PhaseBuilder]) -> Any:
+def _cost(problem: Problem, builders: Sequence[PhaseBuilder], data: Mapping[str, Any]) -> Any:
     cost = sum(builder.cost() for builder in builders)
-    return cost + problem.mayer(_all_ends(builders), pyomo) if problem.mayer else cost
+    return cost + problem.mayer({**_all_ends(builders), **data}, pyomo) if problem.mayer else cost
 
 
 class _Unknowns:

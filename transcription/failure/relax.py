@@ -25,7 +25,7 @@ from ..schemes.mesh import Mesh
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import times_at, when_between
 from ..starts.other import other_starts
-from ..transcribe import compiled, transcribe
+from ..transcribe import program
 from .elastic import ElasticProgram, Soft
 from .soft import soft_constraints
 
@@ -133,8 +133,7 @@ def _feasible(
 ) -> tuple[Trajectory, ...] | None:
     """Trajectories that satisfy everything, as the engine finds them with all constraints held and no objective."""
     with building():
-        transcription = transcribe(problem, meshes, guess)
-        nlp = compiled(transcription)
+        transcription, nlp, _ = program(problem, meshes, guess)
     z = bounded_start(transcription)[0]
     found = _solved(transcription, nlp, [], z, np.zeros(0), stop)
     return found.curves if found.usable else None
@@ -179,11 +178,10 @@ class _Search:
         loosened = replace(problem, phases=tuple(map(_with_free_times, problem.phases)))
         others = [other.guesses for other in other_starts(loosened, doubtful=False)]
         with building():
-            first, *rest = (transcribe(loosened, meshes, own) for own in (guess, *others))
-            self.nlp = compiled(first)
-        self.transcription, self.stop = first, stop
-        self.soft = list(soft_constraints(problem, first, self.nlp))
-        self.origins = [bounded_start(own)[0] for own in (first, *rest)]
+            first, *rest = [program(loosened, meshes, own) for own in (guess, *others)]
+        self.transcription, self.nlp, self.stop = first.transcription, first.nlp, stop
+        self.soft = list(soft_constraints(problem, self.transcription, self.nlp))
+        self.origins = [bounded_start(own.transcription)[0] for own in (first, *rest)]
 
     def least(self) -> _Relaxed:
         """The least violation found from any start."""

@@ -14,25 +14,22 @@ which keeps the KKT matrix banded when the variables are ordered point by point.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from math import inf, prod
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
+from typing import Any
 
 import numpy as np
 import symengine as se
 from pyomo.common.collections import ComponentMap
 from pyomo.core import Constraint, Objective, minimize
-from pyomo.core.expr import relational_expr as relation
-from pyomo.core.expr.numvalue import native_numeric_types
-from pyomo.core.expr.template_expr import TemplateSumExpression
 
 from .backend import available_backend
 from .contract import callback
 from .family import CompiledFamily, Entries
 from .machine_code import compile_family, timing
 from .slots import Slots
-from .symbolic import Arguments
-from .templates import TemplateError, linear_parts, template_of
+from .symbolic import Arguments, placeholder_of, product_of, relation_of, without_sums
+from .templates import TemplateError, template_of
 
 
 class CompiledNLP:
@@ -40,7 +37,8 @@ class CompiledNLP:
 
     n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
     seconds: differentiate (Pyomo to SymEngine included), compile, evaluate. calls: evaluations by callback.
-    A variable that is not in `variables` must be fixed; its value, like that of every parameter, is read here, once.
+    A variable that is not in `variables` must be fixed; its value, like that of every parameter, is read here, once,
+    and `with_numbers` makes a program with other ones.
 
     Raises TemplateError for a model the compiler cannot take. Callbacks raise NotFinite.
     """
@@ -81,10 +79,10 @@ class CompiledNLP:
             outputs, bounds = [], np.empty((2, size, width))
             for o, c in enumerate(components):
                 self._rows[c] = rows[:, o]
-                sides, lower, upper, template = _relation(c)
+                sides, lower, upper, template = relation_of(c)
                 bounds[:, :, o] = arguments.numbers(lower, template), arguments.numbers(upper, template)
                 if over is None:
-                    outputs.append(_without_sums(sides, arguments, c, rows[0, o], sums))
+                    outputs.append(without_sums(sides, arguments, c, rows[0, o], sums))
                 else:
                     outputs.append(sum(sign * arguments.translate(e, template) for sign, e in sides))
         self._row_families.append(self._family(components, over, arguments, outputs, rows))
@@ -94,14 +92,14 @@ class CompiledNLP:
         """A family for each Set that is summed over, with one output for each row it adds to."""
         groups = ComponentMap()
         for term in sums:
-            groups.setdefault(_placeholder(term)._set, []).append(term)
+            groups.setdefault(placeholder_of(term)._set, []).append(term)
         families = []
         for over, terms in groups.items():
             with timing(self.seconds, "differentiate"):
                 arguments = self._arguments(over)
                 outputs: dict[int, se.Basic] = {}
                 for term in terms:
-                    y = _product(arguments, term.factors, term.expression, _placeholder(term))
+                    y = product_of(arguments, term.factors, term.expression, placeholder_of(term))
                     outputs[term.row] = outputs.get(term.row, 0) + y
                 components = {term.row: term.component for term in terms}
                 rows = np.array(list(components), dtype=np.intp)
@@ -116,7 +114,7 @@ class CompiledNLP:
         sums: list = []
         with timing(self.seconds, "differentiate"):
             arguments = self._arguments(None)
-            plain = _without_sums([(1, template_of(cost)[0])], arguments, cost, self.m, sums)
+            plain = without_sums([(1, template_of(cost)[0])], arguments, cost, self.m, sums)
         families = self._add_sums(sums)
         if plain != 0:
             families.append(self._family([cost], None, arguments, [plain], np.array([self.m])))
@@ -130,6 +128,37 @@ class CompiledNLP:
         outputs = [se.sympify(y) for y in outputs]
         code = compile_family(outputs, *sizes, self._backend, self.seconds, arguments.lookups)
         return CompiledFamily(components, over, arguments, rows, code, self._backend)
+
+    def slot(self, leaf: Any) -> int:
+        """Where the number of a fixed variable or of a parameter stands, for `number` and `with_numbers`."""
+        slot = self._slots.single(leaf)
+        if slot >= len(self._numbers):  # nothing reads it
+            self._numbers = np.append(self._numbers, self._slots.data[len(self._numbers) - self.n :])
+        return slot
+
+    def number(self, slot: int) -> float:
+        """The number in a slot."""
+        return float(self._numbers[slot])
+
+    def with_numbers(self, numbers: Mapping[int, float], cl: np.ndarray, cu: np.ndarray) -> CompiledNLP:
+        """The same program with other numbers; it shares machine code and structure, and nothing that changes.
+
+        numbers: by slot, in place of those that are there.
+        cl, cu: (m,) bounds of the rows.
+        """
+        other = copy(self)
+        other.seconds, other.cl, other.cu = dict.fromkeys(self.seconds, 0.0), cl, cu
+        other._numbers = self._numbers.copy()
+        other._numbers[: self.n] = np.nan
+        other._numbers[list(numbers)] = list(numbers.values())
+        new = {id(f): f.with_data(other._numbers) for f in self._families}
+        for name in ("_row_families", "_sum_families", "_cost_families", "_families"):
+            setattr(other, name, [new[id(f)] for f in getattr(self, name)])
+        other._jacobian, other._hessian = (
+            [(new[id(f)], entries) for f, entries in pieces] for pieces in (self._jacobian, self._hessian)
+        )
+        other._asked = {kind: [new[id(f)] for f in asked] for kind, asked in self._asked.items()}
+        return other
 
     def _prepare(self) -> None:
         self._families = self._row_families + self._sum_families + self._cost_families
@@ -251,52 +280,3 @@ def _structure(pieces: list[tuple[CompiledFamily, Entries]]) -> tuple[np.ndarray
     none = np.zeros(0, dtype=np.intp)
     entries = [own for _, own in pieces]
     return np.concatenate([none, *(e.rows for e in entries)]), np.concatenate([none, *(e.cols for e in entries)])
-
-
-def _relation(c: Any) -> tuple[list, object, object, object]:
-    """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
-    e, template = template_of(c)
-    if getattr(e, "strict", False) not in (False, (False, False)):
-        raise TemplateError(f"{c.name} is a strict inequality, which no solver can tell from the other")
-    if isinstance(e, relation.RangedExpression):
-        lower, body, upper = e.args
-        return [(1, body)], lower, upper, template
-    if not isinstance(e, relation.EqualityExpression | relation.InequalityExpression):
-        raise TemplateError(f"the rule of {c.name} gives no relation but {e}")
-    left, right = e.args
-    equal = isinstance(e, relation.EqualityExpression)
-    if right.__class__ in native_numeric_types:
-        return [(1, left)], right if equal else -inf, right, template
-    if left.__class__ in native_numeric_types:
-        return [(1, right)], left, left if equal else inf, template
-    return [(1, left), (-1, right)], 0.0 if equal else -inf, 0.0, template
-
-
-class _SumTerm(NamedTuple):
-    """product(factors) * sum of expression over the Set of `total`, in one row."""
-
-    component: Constraint | Objective
-    row: int
-    total: TemplateSumExpression
-    factors: list
-    expression: object
-
-
-def _placeholder(term: _SumTerm) -> Any:
-    return term.total.template_iters()[0][0]
-
-
-def _product(arguments: Arguments, factors: list, e: Any, template: Any) -> se.Basic:
-    return prod((arguments.translate(f, template) for f in factors), start=arguments.translate(e, template))
-
-
-def _without_sums(sides: list, arguments: Arguments, c: Any, row: int, sums: list) -> se.Basic:
-    """The terms of a scalar row that stand in no sum over a Set; the others are put down in `sums`."""
-    plain = se.Integer(0)
-    for sign, side in sides:
-        for total, factors, e in linear_parts(side):
-            if total is None:
-                plain += _product(arguments, [sign, *factors], e, None)
-            else:
-                sums.append(_SumTerm(c, int(row), total, [sign, *factors], e))
-    return plain

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -62,11 +63,23 @@ class CompiledFamily:
         looked_up = sum(len(own.symbols) for own in self.lookups)
         self.tables = Filled(self.lookups, code.passes, given, backend)
         self.arguments = np.zeros((size, given + looked_up + len(components)))
-        self.variables = self.arguments[:, : self.columns.shape[1]]
-        self.weights = self.arguments[:, -len(components) :]
+        self._view()
         self.functions = {"constraints": code.value, "jacobian": code.jacobian, "hessian": code.hessian}
 
+    def _view(self) -> None:
+        self.variables = self.arguments[:, : self.columns.shape[1]]
+        self.weights = self.arguments[:, -len(self.components) :]
+
+    def with_data(self, numbers: np.ndarray) -> CompiledFamily:
+        """The same family with arguments of its own, whose data are read from `numbers`."""
+        other = copy(self)
+        other.arguments = self.arguments.copy()
+        other._view()
+        other.set_data(numbers)
+        return other
+
     def set_data(self, numbers: np.ndarray) -> None:
+        """Read the data of every index from the vector of all numbers."""
         k = self.columns.shape[1]
         self.arguments[:, k : k + self.data_slots.shape[1]] = numbers[self.data_slots]
 

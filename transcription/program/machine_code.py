@@ -17,6 +17,7 @@ from .lookups import Chain, Lookup, in_order, levels
 CODE_LIMIT = 256  # compiled families kept for the next mesh
 
 _code: dict[tuple, Code] = {}
+_values: dict[tuple, Callable] = {}
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,30 @@ def compile_family(
     return _code[key]
 
 
+def compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str) -> Callable:
+    """Machine code of the outputs alone, without derivatives.
+
+    outputs, n_variables, n_data, backend: as `compile_family` takes them.
+    """
+    key = (tuple(outputs), n_variables, n_data, backend)
+    if key not in _values:
+        if len(_values) >= CODE_LIMIT:
+            _values.pop(next(iter(_values)))
+        v, d, w = _symbols(n_variables, n_data, len(outputs))
+        _values[key] = lambdify(v + d + w, list(outputs), backend)
+    return _values[key]
+
+
+def _symbols(*numbers: int) -> list[list[se.Symbol]]:
+    """Variables, data and weights, as many as asked for."""
+    return [[se.Symbol(f"{x}{i}") for i in range(k)] for x, k in zip("vdw", numbers, strict=True)]
+
+
 def _compile(
     outputs: Any, n_variables: int, n_data: int, backend: str, seconds: dict[str, float], lookups: Sequence[Lookup]
 ) -> Code:
     with timing(seconds, "differentiate"):
-        v, d, w = (
-            [se.Symbol(f"{x}{i}") for i in range(k)]
-            for x, k in (("v", n_variables), ("d", n_data), ("w", len(outputs)))
-        )
+        v, d, w = _symbols(n_variables, n_data, len(outputs))
         t = [symbol for own in in_order(lookups) for symbol in own.symbols]
         chain = Chain({symbol: j for j, symbol in enumerate(v)}, lookups)
         jacobian = [(o, j, e) for o, y in enumerate(outputs) for j, e in chain.derivatives(y)]

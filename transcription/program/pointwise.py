@@ -10,7 +10,7 @@ import symengine as se
 
 from .backend import available_backend
 from .lookups import Filled, Lookup
-from .machine_code import Code, compile_family, timing
+from .machine_code import Code, compile_family, compile_values, timing
 from .slots import Slots
 from .symbolic import Arguments
 
@@ -68,6 +68,21 @@ class PointFunctions:
         flat = full.reshape(-1, full.shape[-1])
         self.tables.fill(flat)
         return function(flat).reshape(*arguments.shape[:-1], -1)
+
+
+def compiled_values(functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]) -> Callable:
+    """The functions' values alone, (n_f,), as one function of a row of arguments: variables, data, then a number for
+    each function that is not used.
+
+    functions: as `PointFunctions` takes them.
+    variables: names.
+    data: names.
+    """
+    outputs, lookups = _translate(functions, variables, data)
+    if not lookups:
+        return compile_values(outputs, len(variables), len(data), available_backend())
+    full = PointFunctions(functions, variables, data, {"differentiate": 0.0, "compile": 0.0})
+    return lambda row: full.values(row[: -len(outputs)])
 
 
 def _translate(

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, prod
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,19 +27,12 @@ from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
-from ..layout import Family, Layout, Transcription, places
+from ..layout import Family, Layout, Transcription, Unknown, places
 from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import shooting_scheme
 from .simulation import held
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns
-
-
-class Unknown(NamedTuple):
-    """A free variable: its initial value and its bounds, None where there is none."""
-
-    value: float
-    bounds: tuple[float | None, float | None]
 
 
 @short_repr

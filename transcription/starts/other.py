@@ -7,15 +7,18 @@ stop at a stationary point that is no optimum.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...problems.expressions.structure import form_of
 from ...problems.probe import depends_on
 from ...problems.problem import Curves, Guess, Phase, Problem, Variable
+from ..program.alone import building
+from ..program.pointwise import compiled_values
 
 POINTS = 101
 """Of a simulated trajectory."""
@@ -31,6 +34,10 @@ NO_SLOPE = 1e-6
 
 TINY = 1e-30
 """The complex step: the derivative has no subtraction in it, so any tiny number will do."""
+
+
+Rates = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
+"""(t, x (n_x,), u (n_u,)) -> dx/dt (n_x,)."""
 
 
 class OtherStart(NamedTuple):
@@ -115,11 +122,11 @@ def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.n
     duration = guess.final_time - guess.initial_time
     t = guess.initial_time + s * duration
     u = np.array([values[variable.name] for variable in phase.inputs])
-    x = np.empty((len(phase.states), len(s)))
+    x, rates = np.empty((len(phase.states), len(s))), _rates(phase, guess)
     x[:, 0] = [state.initial.clip(values[state.name][0]) for state in phase.states]
     with np.errstate(all="ignore"):
         for k in range(len(s) - 1):
-            x[:, k + 1] = _runge_kutta_step(phase, t[k], t[k + 1] - t[k], x[:, k], u[:, k], guess)
+            x[:, k + 1] = _runge_kutta_step(rates, t[k], t[k + 1] - t[k], x[:, k], u[:, k])
     if not (np.abs(x) < LARGEST).all():
         return {}
     found = {}
@@ -129,11 +136,29 @@ def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.n
     return found
 
 
-def _runge_kutta_step(phase: Phase, t: float, h: float, x: np.ndarray, u: np.ndarray, guess: Guess) -> np.ndarray:
+def _rates(phase: Phase, guess: Guess) -> Rates:
+    """dx/dt in machine code: evaluated point by point, NumPy would take most of the time of a failed solve."""
+    functions = [state.rate for state in phase.states]
+    data = form_of(functions).data
+    names = ["t", *(own.name for own in (*phase.states, *phase.inputs)), *guess.parameters]
+    with building():
+        compiled = compiled_values(functions, names, list(data))
+    n = 1 + len(phase.states) + len(phase.inputs)
+    row = np.concatenate([np.zeros(n), [*guess.parameters.values(), *data.values()], np.zeros(len(functions))])
+
+    def rates(t: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        row[0], row[1 : 1 + len(x)], row[1 + len(x) : n] = t, x, u
+        f: np.ndarray = compiled(row)
+        return f
+
+    return rates
+
+
+def _runge_kutta_step(rates: Rates, t: float, h: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """x after a step h of the classical Runge-Kutta method, shape (n_x,), with constant controls u (n_u,)."""
 
     def f(time: float, state: np.ndarray) -> np.ndarray:
-        return phase.dynamics(np.array([time]), state[:, None], u[:, None], guess.parameters)[:, 0]
+        return rates(time, state, u)
 
     k1 = f(t, x)
     k2 = f(t + h / 2, x + h / 2 * k1)

@@ -1,0 +1,59 @@
+"""The form of a problem: what its nonlinear program depends on besides numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from math import isfinite
+from typing import NamedTuple
+
+from ...problems.expressions.structure import Form, form_of
+from ...problems.probe import depends_on
+from ...problems.problem import Function, Phase, Problem, Range
+
+GROUPS = ("residuals", "path", "boundary", "integral")
+"""The attributes of a phase that hold constraints."""
+
+
+class Forms(NamedTuple):
+    """The form of a problem's functions: key, equal where one program serves; phases, links: with their data."""
+
+    key: Hashable
+    phases: tuple[Form, ...]
+    links: Form
+
+
+def forms_of(problem: Problem) -> Forms:
+    """The form of a problem and the data of its functions, for each phase and for what is between phases."""
+    phases = tuple(form_of(_functions(phase)) for phase in problem.phases)
+    links = form_of([*(link.function for link in problem.links), problem.mayer])
+    shape = [
+        problem.sense,
+        *((own.name, _shape(own.bounds)) for own in problem.parameters),
+        *((link.name, _shape(link.bounds)) for link in problem.links),
+        *(_shape_of_phase(phase) for phase in problem.phases),
+    ]
+    return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
+
+
+def _functions(phase: Phase) -> list[Function | None]:
+    constraints = [own for kind in GROUPS for own in getattr(phase, kind)]
+    return [*(state.rate for state in phase.states), *(c.function for c in constraints), phase.lagrange, phase.mayer]
+
+
+def _shape(bounds: Range) -> tuple[bool, bool, bool]:
+    return isfinite(bounds.lower), isfinite(bounds.upper), bounds.fixed
+
+
+def _shape_of_phase(phase: Phase) -> Hashable:
+    inputs = {variable.name for variable in phase.inputs}
+    groups = [getattr(phase, kind) for kind in GROUPS]
+    return (
+        phase.name,
+        (_shape(phase.initial_time), _shape(phase.final_time)),
+        tuple((s.name, s.velocity_of, *map(_shape, (s.bounds, s.initial, s.final))) for s in phase.states),
+        tuple((own.name, _shape(own.bounds)) for own in phase.controls),
+        tuple((own.name, _shape(own.bounds)) for own in phase.algebraic),
+        tuple(tuple((c.name, _shape(c.bounds)) for c in group) for group in groups),
+        # (p - q) u depends on u for most numbers p and q, and then says nothing of an end without a value of u.
+        tuple(depends_on(c.function, inputs) for c in phase.path),
+    )
