@@ -120,7 +120,9 @@ VARYING = ("seconds", "verify_seconds", "digits", "holds")
 def row_from(told: Mapping[str, Any]) -> Row:
     """The row that `kept` or `told` tells."""
     known = {field.name for field in fields(Row)}
-    values = {key: tuple(value) if isinstance(value, list) else value for key, value in told.items() if key in known}
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in told.items() if key in known
+    }
     return Row(**values)
 
 
@@ -141,8 +143,8 @@ def row_of(name: str, spec: Spec, solution: Solution, checks: list[Check], secon
         message=solution.inaccurate if solution.solved and solution.inaccurate else solution.status.message,
         objective=_finite(solution.objective),
         bar=_finite(solution.objective_error.bar),
-        reference=reference and reference.objective,
-        tolerance=reference and reference.tolerance,
+        reference=reference.objective if reference else None,
+        tolerance=reference.tolerance if reference else None,
         source=reference.source if reference else "",
         segments=last.segments,
         points=sum(len(mesh.fractions) for mesh in last.grids),
