@@ -43,7 +43,7 @@ def baseline_text(rows: Sequence[Row]) -> str:
 def regressions(old: Mapping[str, Row], rows: Sequence[Row]) -> list[str]:
     """What is worse than it was, one sentence each, with the name and both values.
 
-    A problem without an earlier row has none.
+    A problem without an earlier row has none, and checks of `verify` count where both rows have some.
     """
     return [f"{row.name}: {what}" for row in rows if row.name in old for what in _worse(old[row.name], row)]
 
@@ -66,7 +66,7 @@ def _worse(old: Row, new: Row) -> Iterator[str]:
         yield f"the error bar held before, now it is {new.bar:.1e} and the reference {new.difference:.1e} away"
     if new.iterations > MORE * old.iterations and new.iterations >= old.iterations + AT_LEAST:
         yield f"{old.iterations} iterations before, {new.iterations} now"
-    if failed := [name for name in new.failed if name not in old.failed]:
+    if old.checks and (failed := [name for name in new.failed if name not in old.failed]):
         yield f"{len(old.failed)} checks of verify failed before, {len(new.failed)} now: {'; '.join(failed)}"
 
 

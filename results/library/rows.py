@@ -73,8 +73,8 @@ class Row:
         return round(max(min(agreed, self._digits_of_reference(scale), MOST_DIGITS), 0.0), 1)
 
     def _digits_of_reference(self, scale: float) -> float:
-        """All, of a whole number that is exact; else to half a unit of the last digit that its file gives."""
-        if self.reference is None or (self.source.startswith(EXACT) and self.reference == int(self.reference)):
+        """All, of a value that is exact; else to half a unit of the last digit that its file gives."""
+        if self.reference is None or self.source.startswith(EXACT):
             return inf
         last = int(Decimal(repr(self.reference)).normalize().as_tuple().exponent)
         return -log10(0.5 * 10.0**last / scale)
