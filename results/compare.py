@@ -86,7 +86,10 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
         for name, distance in _state_distances(a, b).items()
     }
     if not distances:
-        raise SpecError(Mistake(str(path), "it has no state in common with the first result", "compare like with like"))
+        what = "it has no state in common with the first result"
+        if {phase.name for phase in first} != {phase.name for phase in other}:
+            what = "its phases have other names than those of the first result"
+        raise SpecError(Mistake(str(path), what, "compare like with like"))
     worst = max(distances, key=lambda name: np.nan_to_num(distances[name], nan=np.inf))
     return worst, distances[worst]
 

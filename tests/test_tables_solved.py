@@ -119,7 +119,7 @@ def test_outputs_that_no_equation_needs_bound_nothing():
     more = f"expressions: {{shown: f(3*v)}}\n{MESH}"
     (phase,) = build(load_text(text("u", more, f=table), "t.yaml")).phases
     assert not phase.path and phase.states[1].bounds == Range()
-    assert phase.outputs["shown"]({"v": np.array([0.1, 0.3])}, np) == pytest.approx([0.03, 0.09])
+    assert phase.outputs["shown"].function({"v": np.array([0.1, 0.3])}, np) == pytest.approx([0.03, 0.09])
 
 
 def test_what_is_held_costs_no_bound():
@@ -158,7 +158,7 @@ def test_the_aeroplane_has_its_tables_in_its_equations():
     (phase,) = problem_named("min_time_climb").phases
     assert set(tables_of(phase)) == {"rho", "sound", "thrust", "CLalpha", "CD0", "eta"}
     assert [c.name for c in phase.path] == ["M of CD0", "h of thrust"]
-    thrust = phase.outputs["T"]({"h": np.array([0.0, 3048.0]), "v": np.array([0.0, 0.0])}, np)
+    thrust = phase.outputs["T"].function({"h": np.array([0.0, 3048.0]), "v": np.array([0.0, 0.0])}, np)
     assert thrust == pytest.approx([24.2 * 4448.222, 20.3 * 4448.222])
 
 

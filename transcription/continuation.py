@@ -8,6 +8,7 @@ first mesh is enough; the problem of the file itself is solved as the file asks.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor
@@ -60,7 +61,8 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
     """
     data = json.loads(spec.model_dump_json())
     way, wrong = {}, []
-    for path, values in spec.continuation.items():
+    for given, values in spec.continuation.items():
+        path = re.sub(r"^waypoints\.(\d+)\.(?!states|time|name)", r"waypoints.\1.states.", given)  # the long form
         own = _number_at(data, path)
         if own is None:
             what = f"{path} is no number in this file, so there is nothing to go through"

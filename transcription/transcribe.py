@@ -42,13 +42,9 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
     return ()
 
 
-def _no_costates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Sequence[None]:
-    return [None] * len(transcription.phases)
-
-
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
-    "collocation": lambda: MethodKind(_nothing_refused, model.by_segments, model.compiled_model, costates),
-    "differences": lambda: MethodKind(refused_by_differences, model.by_differences, model.compiled_model, _no_costates),
+    "collocation": lambda: MethodKind(_nothing_refused, model.by_model, model.compiled_model, costates),
+    "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates),
     "shooting": _shooting,
 }
 
@@ -60,9 +56,9 @@ def kind_of(mesh: Mesh) -> MethodKind:
 
 def _kind_of_all(problem: Problem, meshes: Sequence[Mesh]) -> MethodKind:
     """How phases are transcribed together: by the kind that all have, or joined, where that makes no links."""
-    kinds = {mesh.schemes[0].kind for mesh in meshes}
+    simulated = {mesh.schemes[0].kind == "shooting" for mesh in meshes}
     linked = problem.links or problem.mayer
-    return _joined() if len(kinds) > 1 or (linked and kinds == {"shooting"}) else kind_of(meshes[0])
+    return _joined() if len(simulated) > 1 or (linked and simulated == {True}) else kind_of(meshes[0])
 
 
 def _joined() -> MethodKind:
@@ -138,6 +134,10 @@ def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
     if unknowns > MAX_UNKNOWNS:
         what = f"{unknowns} unknowns are more than the {MAX_UNKNOWNS} that trajopt takes"
         yield Mistake("mesh", what, "use fewer segments")
+    kinds = {mesh.schemes[0].kind for mesh in meshes}
+    if kinds >= {"shooting", "differences"}:
+        what = "finite differences have no velocities among their unknowns, to be linked with those of a simulation"
+        yield Mistake("mesh", what, "take another method for one of the phases")
     for phase, mesh in zip(problem.phases, meshes, strict=True):
         whose = "" if len(meshes) == 1 else f"phases.{phase.name}."
         yield from (replace(m, where=whose + m.where) for m in kind_of(mesh).refused(problem, phase, mesh))

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.schema.solving import MAX_CASES, MAX_SEED
 from ...problems.text import brief
 
 if TYPE_CHECKING:
@@ -38,6 +37,7 @@ def planned(asked: Asked, spec: Spec, given: Sequence[str]) -> tuple[Plan, bool]
 
     Raises SpecError for what contradicts itself or cannot be meant, FileError if a table cannot be read.
     """
+    from ...problems.schema.solving import MAX_CASES, MAX_SEED  # not before: `trajopt --help` needs no pydantic
     from ...results.sweep import plan as plans
 
     section = None if asked.over or asked.list else spec.sweep
@@ -82,7 +82,7 @@ def shard(text: str | None, chain: bool, force: bool) -> tuple[int, int] | None:
     return int(part), int(parts)
 
 
-def whole(option: str, text: str, smallest: int, largest: int = MAX_CASES) -> int:
+def whole(option: str, text: str, smallest: int, largest: int) -> int:
     """A whole number of the command line. Raises SpecError."""
     if not text.isdecimal() or not smallest <= int(text) <= largest:
         what = f'"{brief(text)}" is no number for it'

@@ -79,6 +79,9 @@ def solve(
     Without -o the result of FILE goes to <name of the file>.h5 in the current folder. All files are checked before the
     first is solved. FILE may be - for standard input, whose result goes to stdin.h5.
     """
+    if guess and (starts or seed):
+        what = "with --guess there is one start, the result's"
+        raise SpecError(Mistake("--starts" if starts else "--seed", what, "leave out one of the two options"))
     given = overrides(set_, method, segments, tol, refine, time_limit, accuracy, starts, seed)
     specs = load_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ...results.sweep.plan import Plan
     from ...results.sweep.store import Store
 
+MOST_JOBS = 10_000
 MAX_TOLD = 10
 """Mistakes of cases that are told one by one."""
 
@@ -103,7 +104,7 @@ def sweep(
     (spec,) = load_all([file], given, piped_text([file]))
     plan, chained = planned(Asked(over, zip_, list_, sample, seed, chain), spec, given)
     part = shard_of(shard, chained, force)
-    processes = whole("--jobs", jobs, 1) if jobs else len(os.sched_getaffinity(0))
+    processes = whole("--jobs", jobs, 1, MOST_JOBS) if jobs else len(os.sched_getaffinity(0))
     problem = _checked(plan, spec, given)
     name = "stdin" if spec.file == STDIN else Path(spec.file).stem
     store = Store(output or Path(f"{name}-sweep"), plan, part)

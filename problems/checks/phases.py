@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
@@ -58,7 +59,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
     between = Between(symbols, Symbols(spec))
-    connected = [*_expressions(spec, between), *check_names(spec)]
+    connected = [*_expressions(spec, between), *check_names(spec), *_frames(spec, between), *_absent(spec, between)]
     if whole and not errors and not connected:
         connected += [*_passages(spec, symbols), *_objective(spec, own), *_ranges(spec, between)]
     return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings)]
@@ -127,13 +128,52 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
             what = "with phases, an integral constraint belongs to one of them"
             remedy = "move it into a phase; for the whole trajectory use a state with this as its rate"
             yield Finding((*path, i), what, remedy)
-    if TIME not in (known := set().union(*(symbols.roles for symbols in between.phases.values()))):
-        return
+
+
+def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
+    """Keyframes of the whole trajectory: of one length, of names that some phase has, at times that increase."""
+    frames = spec.guess.keyframes
+    known = [v.name for own in between.phases.values() for v in (*own.states, *own.controls, *own.algebraic)]
+    for name, row in frames.items():
+        path: Path = ("guess", "keyframes", name)
+        if name not in known and name != "time":
+            remedy = did_you_mean(name, known, "name a state, a control or an algebraic variable of a phase")
+            yield Finding(path, f"{brief(name)} is not a state or a control of any phase", remedy)
+        for i, value in enumerate(row):
+            yield from between.findings((*path, i), value, constant=True)
+    lengths = {name: len(row) for name, row in frames.items()}
+    first = next(iter(lengths), "")
+    for name, length in lengths.items():
+        if length != lengths[first]:
+            what = f"{name} has {length} keyframes, {first} has {lengths[first]}"
+            yield Finding(("guess", "keyframes", name), what, "give all of them the same number of values")
+    times = [between.shared.number(value, 0.0) for value in frames.get("time", ()) if not between.unsound(value)]
+    if any(later <= earlier for earlier, later in pairwise(times)):
+        yield Finding(
+            ("guess", "keyframes", "time"), "the times do not increase", "sort them, each larger than the last"
+        )
+
+
+def _absent(spec: Spec, between: Between) -> Iterator[Finding]:
+    """What a phase is said to be without, or a link to leave out, is there; a phase that is late has a time."""
+    shared = [*spec.states, *spec.controls, *spec.algebraic]
+    for phase, entry in own_entries(spec).items():
+        for i, name in enumerate(entry.without):
+            if name not in shared:
+                remedy = did_you_mean(name, shared, f"the top level has {', '.join(shared)}")
+                yield Finding(("phases", phase, "without", i), f"the top level has no {brief(name)}", remedy)
     for i, link in enumerate(spec.links):
+        if link.expression is not None:
+            continue
+        if TIME in link.left_out and link.target in spec.phases and spec.phases[link.target].time.initial is None:
+            remedy = f"add time: {{initial: ...}} to the phase {link.target}, or remove t from except:"
+            yield Finding(("links", i, "except"), f"nothing says when {link.target} begins", remedy)
+        own = [between.phases[phase] for phase in (link.source, link.target) if phase in between.phases]
+        states = sorted({state.name for symbols in own for state in symbols.states})
         for name in link.left_out:
-            if name not in known:
-                remedy = did_you_mean(name, known, "name a state, or t for the time")
-                yield Finding(("links", i, "except"), f'there is no "{name}" to leave out', remedy)
+            if name not in (*states, TIME):
+                remedy = did_you_mean(name, states, "name a state, or t for the time")
+                yield Finding(("links", i, "except"), f'there is no state "{name}" to leave out', remedy)
 
 
 def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:

@@ -58,6 +58,10 @@ class Between:
         if not troubles and not misused and (fault := self.function(expression).fault({})):
             yield no_value(path, fault)
 
+    def unsound(self, constant: Expression) -> bool:
+        """Whether an expression that should be a constant has mistakes."""
+        return any(self.findings((), constant, constant=True))
+
     def range(self, lower: Expression | None, upper: Expression | None, equals: Expression | None) -> Range:
         """The range of the bounds of a link."""
         if equals is not None:

@@ -8,7 +8,7 @@ keyframes of its guess go from the first phase to the last (see `guess`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from ..expressions.expression import Expression, parse
@@ -38,7 +38,8 @@ def phase_specs(spec: Spec) -> dict[str, Spec]:
     for name, own in entries.items():
         previous = merged.get(before.get(name, ""))
         time = _time(spec, entries, name, previous, name in last)
-        merged[name] = _merged(spec, own, time, previous is None, name in last, _padded(meshes[name], length))
+        ends = _begin_and_end(spec, entries, before, name)
+        merged[name] = _merged(spec, own, time, ends, _padded(meshes[name], length))
     return merged
 
 
@@ -101,10 +102,28 @@ def _given(own: PhaseEntry, path: Path) -> bool:
     return True
 
 
-def _merged(spec: Spec, own: PhaseEntry, time: Time, first: bool, last: bool, mesh: list[MeshEntry]) -> Spec:
+def _begin_and_end(
+    spec: Spec, entries: Mapping[str, PhaseEntry], before: Mapping[str, str], name: str
+) -> Callable[[str], tuple[bool, bool]]:
+    """Whether a state begins in a phase, as no phase before it has it, and whether it ends there."""
+
+    def has(phase: str, state: str) -> bool:
+        own = entries[phase]
+        return state not in own.without and (state in spec.states or state in own.states)
+
+    def of_state(state: str) -> tuple[bool, bool]:
+        following = [phase for phase, previous in before.items() if previous == name]
+        return not has(before[name], state) if name in before else True, not any(has(f, state) for f in following)
+
+    return of_state
+
+
+def _merged(
+    spec: Spec, own: PhaseEntry, time: Time, ends: Callable[[str], tuple[bool, bool]], mesh: list[MeshEntry]
+) -> Spec:
     named = {group: _together(getattr(spec, group), getattr(own, group)) for group in _NAMED}
     named["states"] = {
-        name: _with_ends(state, own.states.get(name), first, last) for name, state in named["states"].items()
+        name: _with_ends(state, own.states.get(name), *ends(name)) for name, state in named["states"].items()
     }
     for group in ("states", "controls", "algebraic"):
         named[group] = {name: entry for name, entry in named[group].items() if name not in own.without}

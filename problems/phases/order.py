@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from ..names.variables import states
 from ..schema.phases import LinkEntry, PhaseEntry
@@ -33,20 +34,16 @@ def own_entries(spec: Spec) -> dict[str, PhaseEntry]:
     """The phases of a file in order, those that its waypoints make among them; none for a file without phases."""
     if not spec.waypoints:
         return dict(spec.phases)
-    positions = {state.name: state.velocity_of for state in states(spec) if state.velocity_of}
+    owners = {state.name: state.velocity_of for state in states(spec)}
     legs: dict[str, PhaseEntry] = {}
     for number, waypoint in enumerate(spec.waypoints, start=1):
-        own = PhaseEntry.model_validate(
-            {
-                "time": {"final": waypoint.time},
-                "states": {name: {"final": end} for name, end in waypoint.states.items() if name not in positions}
-                | {
-                    positions[name]: {"velocity": {"final": end}}
-                    for name, end in waypoint.states.items()
-                    if name in positions
-                },
-            }
-        )
+        ends: dict[str, dict[str, Any]] = {}
+        for name, value in waypoint.states.items():
+            if owner := owners.get(name, ""):
+                ends.setdefault(owner, {})["velocity"] = {"final": value}
+            else:
+                ends.setdefault(name, {})["final"] = value
+        own = PhaseEntry.model_validate({"time": {"final": waypoint.time}, "states": ends})
         legs[waypoint.name or f"leg{number}"] = own
     return legs | {f"leg{len(legs) + 1}": PhaseEntry()}
 

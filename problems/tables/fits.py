@@ -12,7 +12,6 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator, make_interp_spline
 
 from .choices import CUBIC, LINEAR, MONOTONE
 
@@ -44,6 +43,8 @@ def fit_of(kind: str, smooth: float) -> Fit:
 
 def _cubic(points: Array, values: Array, held: bool) -> Pieces:
     """The spline with two continuous derivatives. Not-a-knot; held, it is flat and straight at both ends."""
+    from scipy.interpolate import CubicSpline  # it takes longer to import than most solves
+
     if not held:
         return _powers(points, CubicSpline(points, values, axis=0).c)
     return _with_constants(_flat_spline(points, values))
@@ -51,6 +52,8 @@ def _cubic(points: Array, values: Array, held: bool) -> Pieces:
 
 def _flat_spline(points: Array, values: Array) -> Pieces:
     """First and second derivative are zero at both ends, for which the first and the last cell have a knot more."""
+    from scipy.interpolate import make_interp_spline
+
     inner = np.array([(points[0] + points[1]) / 2, (points[-1] + points[-2]) / 2])
     if len(points) == 2:
         inner = points[0] + (points[1] - points[0]) * np.array([1, 2]) / 3
@@ -65,6 +68,8 @@ def _flat_spline(points: Array, values: Array) -> Pieces:
 
 def _monotone(points: Array, values: Array, held: bool) -> Pieces:
     """PCHIP, which rises and falls as its points do; its second derivative jumps at them."""
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
     slopes = PchipInterpolator(points, values).derivative()(points)
     if not held:
         return _powers(points, CubicHermiteSpline(points, values, slopes).c)

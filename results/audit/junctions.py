@@ -83,9 +83,9 @@ def _free_passages(result: Reloaded) -> Iterator[tuple[str, str]]:
 
 
 def _is_time(asked: set[str]) -> bool:
-    """Whether a link is that time goes on from one phase to another."""
+    """Whether a link is that time goes on from one phase to another; not one on the duration of a phase."""
     ends = sorted(name.partition(".")[2] for name in asked)
-    return ends == ["t[final]", "t[initial]"]
+    return ends == ["t[final]", "t[initial]"] and len({name.partition(".")[0] for name in asked}) == 2
 
 
 def _inside(bounds: Range, t: float, near: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import h5py
@@ -11,6 +11,9 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Guess, Phase, Problem
 from .door import open_result
+
+SAMPLES = 201
+"""Of the part of a result that becomes the guess of a phase of another name."""
 
 GUESSED_KINDS = ("state", "control", "algebraic")
 
@@ -24,7 +27,7 @@ def guess_from(source: Path | bytes, problem: Problem) -> list[Guess]:
     """
     name = "the solution" if isinstance(source, bytes) else str(source)
     with open_result(source) as file:
-        return [_guess(name, file, phase) for phase in problem.phases]
+        return [_guess(name, file, problem, phase) for phase in problem.phases]
 
 
 def lacking(path: Path, problem: Problem) -> list[Mistake]:
@@ -35,7 +38,9 @@ def lacking(path: Path, problem: Problem) -> list[Mistake]:
     found = []
     with open_result(path) as file:
         for phase in problem.phases:
-            known = _names(file.get(f"phase/{phase.name}", {}))
+            groups = file["phase"]
+            named = [groups[phase.name]] if phase.name in groups else list(groups.values())
+            known = set.intersection(*map(_names, named))
             names = [*_told(phase.guess.values, known), *_told(phase.guess.parameters, known)]
             if names:
                 where = "" if len(problem.phases) == 1 else f" in phase {phase.name}"
@@ -56,11 +61,17 @@ def _told(values: Mapping, known: set[str]) -> list[str]:
     return [f"{name} ({a:.4g})" if a == b else f"{name} ({a:.4g} to {b:.4g})" for name, (a, b) in ends.items()]
 
 
-def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
-    group = file.get(f"phase/{phase.name}", {})
-    if not any(state.name in group.get("dense/state", {}) for state in phase.states):
-        names = ", ".join(state.name for state in phase.states)
-        raise SpecError(Mistake(source, f"it has none of the states {names}", "give a result of a similar problem"))
+def _guess(source: str, file: h5py.File, problem: Problem, phase: Phase) -> Guess:
+    names = [phase.name] if phase.name in file["phase"] else list(file["phase"])
+    curves = [_curves(source, file["phase"][name]) for name in names]
+    if not any(state.name in own.values for own in curves for state in phase.states):
+        missing = ", ".join(state.name for state in phase.states)
+        raise SpecError(Mistake(source, f"it has none of the states {missing}", "give a result of a similar problem"))
+    return adapted(curves[0] if phase.name in file["phase"] else _part(curves, problem, phase), phase)
+
+
+def _curves(source: str, group: h5py.Group) -> Guess:
+    """The curves of a stored phase."""
     dense = group["dense"]
     time = dense["time"][:]
     known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense.get(kind, {}).items()}
@@ -68,7 +79,27 @@ def _guess(source: str, file: h5py.File, phase: Phase) -> Guess:
     if not time[-1] > time[0]:
         raise SpecError(Mistake(source, "its duration is zero", "give another result"))
     s = (time - time[0]) / (time[-1] - time[0])
-    return adapted(Guess(float(time[0]), float(time[-1]), s, known, parameters), phase)
+    return Guess(float(time[0]), float(time[-1]), s, known, parameters)
+
+
+def _part(curves: Sequence[Guess], problem: Problem, phase: Phase) -> Guess:
+    """The part of a result of other phases that a phase is, by its guessed times: the phases one after the other, what
+    some of them lack left out."""
+    starts = [own.guess.initial_time for own in problem.phases]
+    whole = min(starts), max(own.guess.final_time for own in problem.phases)
+    first, last = min(own.initial_time for own in curves), max(own.final_time for own in curves)
+    own = phase.guess
+    places = [(t - whole[0]) / (whole[1] - whole[0]) for t in (own.initial_time, own.final_time)]
+    begin, end = (first + place * (last - first) for place in places)
+    ordered = sorted(curves, key=lambda curve: curve.initial_time)
+    times = np.concatenate(
+        [curve.initial_time + curve.s * (curve.final_time - curve.initial_time) for curve in ordered]
+    )
+    shared = set.intersection(*(set(curve.values) for curve in ordered))
+    s = np.linspace(0.0, 1.0, SAMPLES)
+    at = begin + s * (end - begin)
+    values = {name: np.interp(at, times, np.concatenate([c.values[name] for c in ordered])) for name in shared}
+    return Guess(begin, end, s, values, ordered[0].parameters)
 
 
 def adapted(found: Guess, phase: Phase) -> Guess:

@@ -191,7 +191,7 @@ def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset
 def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
-        method=printable(a["method"]),
+        method=", ".join(dict.fromkeys(printable(own.attrs["method"]) for own in meshes_of(group))),
         edges=tuple(own["edges"][:] for own in meshes_of(group)),
         unknowns=int(a["unknowns"]),
         objective=float(a["objective"]),

@@ -61,7 +61,7 @@ class PhaseBuilder(ABC):
             ("tF", phase.final_time, guess.final_time),
         ):
             block.add_component(name, Var())
-            bound(block.component(name), bounds, value)
+            bound(block.component(name), bounds, bounds.clip(value))  # a fixed time is not the guess's
             block.component(name).fixed = bounds.fixed
         block.point, block.segment = RangeSet(0, self.last), RangeSet(0, mesh.segments - 1)
         if _uses_time(phase):

@@ -38,41 +38,22 @@ from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..program.compiler import CompiledNLP
 from ..program.templates import templated
 from ..schemes.mesh import Mesh
+from ..schemes.segment import KindOfMethod
 from .builder import PhaseBuilder, between, bound
 from .differences import DifferenceBuilder
 from .segments import CollocationBuilder
 
+BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
 
-def by_segments(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
-    """The program of collocation schemes, as `transcribe.transcribe`.
+
+def by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+    """The program of collocation schemes and finite differences, as `transcribe.transcribe`.
 
     problem: one that no method refuses.
     meshes: one for each phase.
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
     """
-    return _transcribe(CollocationBuilder, problem, meshes, guess, templates)
-
-
-def by_differences(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
-    """The program of finite differences, as `transcribe.transcribe`.
-
-    problem: one that `refused_by_differences` says nothing against.
-    meshes: one for each phase, of equal segments.
-    guess: one for each phase.
-    templates: False for an ordinary, expanded model.
-    """
-    return _transcribe(DifferenceBuilder, problem, meshes, guess, templates)
-
-
-def compiled_model(transcription: Transcription) -> CompiledNLP:
-    """The nonlinear program of a templated model."""
-    return CompiledNLP(transcription.model, transcription.variables)
-
-
-def _transcribe(
-    method: type[PhaseBuilder], problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool
-) -> Transcription:
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
     for parameter in problem.parameters:
@@ -80,7 +61,8 @@ def _transcribe(
     model.phase = Block([phase.name for phase in problem.phases])
     p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
     builders = [
-        method(model.phase[phase.name], p, phase, mesh) for phase, mesh in zip(problem.phases, meshes, strict=True)
+        BUILDERS[mesh.schemes[0].kind](model.phase[phase.name], p, phase, mesh)
+        for phase, mesh in zip(problem.phases, meshes, strict=True)
     ]
     with templated() if templates else nullcontext():
         for builder, start in zip(builders, guess, strict=True):
@@ -93,6 +75,11 @@ def _transcribe(
     parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)
     families = (*(family for builder in builders for family in builder.families), *links)
     return Transcription(problem, model, tuple(unknowns.variables), layouts, parameters, families)
+
+
+def compiled_model(transcription: Transcription) -> CompiledNLP:
+    """The nonlinear program of a templated model."""
+    return CompiledNLP(transcription.model, transcription.variables)
 
 
 def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder]) -> list[Family]:

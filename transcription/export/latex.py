@@ -138,7 +138,7 @@ def _name(symbol: str, subscripts: tuple[str, ...], k: int | str | None) -> Form
 
 def _labels(family: Family, mesh: Mesh | None) -> Iterator[str]:
     """What each constraint of a family is, and where it holds; a link belongs to no mesh."""
-    what = family.kind.heading.format(escaped(family.name)) + escaped(of_phase(family.phase))
+    what = " ".join(filter(None, [family.kind.heading.format(escaped(family.name)), escaped(of_phase(family.phase))]))
     rows = mesh.groups[family.group].scheme.rows if mesh and family.kind is DEFECT else ()
     for start, end in family.span:
         if not family.kind.timed or mesh is None:

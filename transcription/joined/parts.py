@@ -58,13 +58,13 @@ def by_parts(
     meshes: one for each phase.
     guess: one for each phase.
     """
-    kinds = list(dict.fromkeys(mesh.schemes[0].kind for mesh in meshes))
+    simulated = [mesh.schemes[0].simulated for mesh in meshes]
     parts: list[Part] = []
     variables: list[Any] = []
     layouts: dict[int, Layout] = {}
     parameters = np.zeros(0, int)
-    for kind in kinds:
-        numbers = [i for i, mesh in enumerate(meshes) if mesh.schemes[0].kind == kind]
+    for kind in dict.fromkeys(simulated):
+        numbers = [i for i, own in enumerate(simulated) if own == kind]
         own = replace(problem, phases=tuple(problem.phases[i] for i in numbers), links=(), mayer=None)
         method, chosen = kind_of(meshes[numbers[0]]), [meshes[i] for i in numbers]
         part = method.transcribe(own, chosen, [guess[i] for i in numbers], True)

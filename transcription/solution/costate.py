@@ -29,15 +29,20 @@ from ..program.contract import NonlinearProgram
 from ..schemes.scheme import collocation_scheme
 
 
-def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray]:
+def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> list[np.ndarray | None]:
     """lambda of each phase, shape (n_x, K + N - 1): at the slots of the mesh, in objective per unit of state.
 
-    transcription: by collocation schemes.
+    None for a phase by finite differences.
+
+    transcription: by collocation schemes and finite differences.
     nlp: its compiled program.
     outcome: with multipliers over time without those that act at the ends only, see `end_masses`.
     """
     sense = transcription.problem.sense
-    return [sense * _costate(layout, transcription, nlp, outcome) for layout in transcription.phases]
+    return [
+        sense * _costate(layout, transcription, nlp, outcome) if layout.mesh.schemes[0].has_costates else None
+        for layout in transcription.phases
+    ]
 
 
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:

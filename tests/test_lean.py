@@ -1,0 +1,25 @@
+"""What commands do not import: each of these takes longer to load than many a solve."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2"}
+START = "from trajopt.cli.main import main; main()"
+
+
+@pytest.mark.parametrize(
+    ("command", "lacks"),
+    [
+        ("--help", HEAVY | {"pydantic", "pyomo.core", "h5py"}),
+        ("solve --help", HEAVY | {"pyomo.core", "h5py"}),
+        ("check cartpole", HEAVY),
+        ("solve block_move_min_force -q -o a.h5", HEAVY),
+    ],
+)
+def test_a_command_imports_what_it_needs(command, lacks, folder):
+    told = [sys.executable, "-X", "importtime", "-c", START, *command.split()]
+    run = subprocess.run(told, capture_output=True, text=True, check=True)
+    loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
+    assert "typer" in loaded and not loaded & lacks
