@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -16,7 +15,7 @@ from ..errors import NOT_SOLVED
 from ..output.printing import plural, print_json, print_table, print_title
 from ..output.progress import live_text
 from ..streams import native_output
-from .cases import whole
+from .cases import processes_of
 from .workers import prepare as prepare_worker
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def reproduce_library(
     from ...results.library.solve import problems, solve_library
 
     names = problems(only, fast)
-    processes = whole("--jobs", jobs, 1) if jobs else len(os.sched_getaffinity(0))
+    processes = processes_of(jobs)
     results = prepare(folder)
     with native_output(2), live_text("solving") as show:
         rows = solve_library(
