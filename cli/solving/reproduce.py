@@ -58,7 +58,7 @@ def reproduce(
     ] = None,
     json_: Json = False,
 ) -> None:
-    """Reproduce the figures of the paper and check their numbers, or all shipped problems beside published values.
+    """Reproduce the figures and numbers of the paper, or the library.
 
     Example: trajopt reproduce cartpole biped -o figures_of_the_paper
 
