@@ -22,7 +22,8 @@ from trajopt.transcription.settings import steps
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, transcribe
 
-FILES = sorted((Path(__file__).parents[1] / "problems").glob("*.yaml"))
+SHIPPED = sorted((Path(__file__).parents[1] / "problems").glob("*.yaml"))
+FILES = [path for path in SHIPPED if "\ntables:" not in path.read_text()]  # formulas have none, see tables_files
 READERS = {".nl": read_nl, ".gms": read_gms, ".tex": read_tex}
 FORMAT = pytest.mark.parametrize("suffix", READERS)
 

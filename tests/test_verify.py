@@ -1,5 +1,6 @@
 """The independent audit of a result: passes what is right, and sees what is wrong."""
 
+import re
 import warnings
 
 import h5py
@@ -293,4 +294,7 @@ def test_a_stored_problem_that_is_none(folder, content):
         del file["spec/full"]
         file["spec/full"] = content
     run = trajopt("verify", "a.h5")
-    assert run.exit_code == 3 and "error: a.h5: the problem that it holds cannot be read" in run.stderr
+    assert run.exit_code == 3 and re.match(
+        r"error: a\.h5: (the problem that it holds cannot be read|/spec/full: it holds no problem that can be read)",
+        run.stderr,
+    )
