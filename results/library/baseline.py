@@ -18,6 +18,9 @@ DIGIT = 0.95
 MORE, AT_LEAST = 1.2, 5
 """How many times the iterations, and how many more of them, count as a loss."""
 
+WIDER = 10.0
+"""How many times as wide an error bar is that has lost a digit."""
+
 ROUNDING = 1e-7
 """Of 1 + |J|: what solves to a tolerance of 1e-8 differ by from machine to machine, where no error bar is wider."""
 
@@ -60,8 +63,8 @@ def _worse(old: Row, new: Row) -> Iterator[str]:
         yield f"another optimum, objective {old.objective:.10g} before, {new.objective:.10g} now, {bars}"
     if old.digits is not None and (new.digits is None or old.digits - new.digits >= DIGIT):
         yield f"{old.digits:.1f} digits agreed with the reference before, {new.digits or 0:.1f} now"
-    if old.bar is not None and new.bar is None:
-        yield f"error bar {old.bar:.1e} before, none now"
+    if old.bar is not None and (new.bar is None or new.bar > max(WIDER * old.bar, ROUNDING * (1 + abs(old.objective)))):
+        yield f"error bar {old.bar:.1e} before, {'none' if new.bar is None else f'{new.bar:.1e}'} now"
     if old.holds and new.holds is False:
         yield f"the error bar held before, now it is {new.bar:.1e} and the reference {new.difference:.1e} away"
     if new.iterations > MORE * old.iterations and new.iterations >= old.iterations + AT_LEAST:
