@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from ...problems.schema.spec import Spec
     from ...results.sweep.axes import Axis
     from ...results.sweep.plan import Plan
+
+MOST_JOBS = 10_000
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,11 @@ def whole(option: str, text: str, smallest: int, largest: int) -> int:
         what = f'"{brief(text)}" is no number for it'
         raise SpecError(Mistake(option, what, f"write a whole number from {smallest} to {largest}"))
     return int(text)
+
+
+def processes_of(jobs: str | None) -> int:
+    """The number of processes that --jobs asks for, one for each CPU without it. Raises SpecError."""
+    return whole("--jobs", jobs, 1, MOST_JOBS) if jobs else len(os.sched_getaffinity(0))
 
 
 def _refuse(asked: Asked, sample: bool, zipped: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 import time
@@ -22,7 +21,7 @@ from ..output.printing import one_line, print_json
 from ..output.sweeping import Tally, print_sweep, watched
 from ..signals import Stop
 from ..streams import piped_text
-from .cases import Asked, planned, whole
+from .cases import Asked, planned, processes_of
 from .cases import shard as shard_of
 from .workers import prepare
 
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
     from ...results.sweep.plan import Plan
     from ...results.sweep.store import Store
 
-MOST_JOBS = 10_000
 MAX_TOLD = 10
 """Mistakes of cases that are told one by one."""
 
@@ -104,7 +102,7 @@ def sweep(
     (spec,) = load_all([file], given, piped_text([file]))
     plan, chained = planned(Asked(over, zip_, list_, sample, seed, chain), spec, given)
     part = shard_of(shard, chained, force)
-    processes = whole("--jobs", jobs, 1, MOST_JOBS) if jobs else len(os.sched_getaffinity(0))
+    processes = processes_of(jobs)
     problem = _checked(plan, spec, given)
     name = "stdin" if spec.file == STDIN else Path(spec.file).stem
     store = Store(output or Path(f"{name}-sweep"), plan, part)

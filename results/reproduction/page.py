@@ -24,6 +24,8 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 .fail { color: #b00000; font-weight: bold; }
 """
 
+UNFINISHED = "<p>This run has not come to its end.</p>"
+
 
 def machine() -> str:
     """What it was measured on, in words."""
@@ -39,12 +41,17 @@ def shown(number: float) -> str:
 
 def html(chapters: Sequence[Chapter], figures: bool) -> str:
     """The page; one that says so as long as there are no chapters. figures: whether they were drawn."""
-    body = "\n".join(_body(chapters, figures)) if chapters else "<p>This run has not come to its end.</p>"
+    body = "\n".join(_body(chapters, figures)) if chapters else UNFINISHED
+    return document("An introduction to trajectory optimization, reproduced", body)
+
+
+def document(title: str, body: str) -> str:
+    """A whole page: a title, and HTML below it."""
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n{MARK}\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>trajopt reproduce</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
-        f"<h1>An introduction to trajectory optimization, reproduced</h1>\n{body}\n</body>\n</html>\n"
+        f"<h1>{escape(title)}</h1>\n{body}\n</body>\n</html>\n"
     )
 
 
@@ -63,7 +70,7 @@ def _body(chapters: Sequence[Chapter], figures: bool) -> Iterator[str]:
     for chapter in chapters:
         yield from _chapter(chapter, figures)
     yield '<h2 id="checks">All checks</h2>'
-    yield _table(["", "example", "number", "expected", "got", "source"], map(_check, checks), numbers=(4,))
+    yield table(["", "example", "number", "expected", "got", "source"], map(_check, checks), numbers=(4,))
 
 
 def _efforts(chapters: Sequence[Chapter]) -> Iterator[str]:
@@ -71,7 +78,7 @@ def _efforts(chapters: Sequence[Chapter]) -> Iterator[str]:
     if efforts:
         yield "<h2>Iterations and seconds</h2>"
         head = ["", "paper: iterations", "seconds", "here: iterations", "seconds"]
-        yield _table(head, (map(escape, effort.row) for effort in efforts), numbers=(1, 2, 3, 4))
+        yield table(head, (map(escape, effort.row) for effort in efforts), numbers=(1, 2, 3, 4))
         yield (
             "<p>The paper: FMINCON on one 3.4 GHz processor, with the derivatives of the biped written by hand. "
             "Here: IPOPT, from the continuous problem to the solution and its error.</p>"
@@ -93,7 +100,7 @@ def _chapter(chapter: Chapter, figures: bool) -> Iterator[str]:
             )
     if chapter.table:
         head, *rows = chapter.table
-        yield _table(list(map(escape, head)), (map(escape, row) for row in rows), numbers=range(1, len(head)))
+        yield table(list(map(escape, head)), (map(escape, row) for row in rows), numbers=range(1, len(head)))
 
 
 def _check(check: PaperCheck) -> list[str]:
@@ -102,8 +109,13 @@ def _check(check: PaperCheck) -> list[str]:
     return [verdict, *map(escape, texts)]
 
 
-def _table(head: Sequence[str], rows: Iterable[Iterable[str]], numbers: Sequence[int]) -> str:
-    """Cells are HTML; those of the columns in `numbers` stand at the right."""
+def table(head: Sequence[str], rows: Iterable[Iterable[str]], numbers: Sequence[int]) -> str:
+    """A table in HTML.
+
+    head: texts above the columns, as HTML.
+    rows: of cells, as HTML.
+    numbers: the columns whose cells stand at the right.
+    """
 
     def cell(column: int, text: str) -> str:
         return f'<td class="number">{text}</td>' if column in numbers else f"<td>{text}</td>"

@@ -12,8 +12,7 @@ from pathlib import Path
 
 from ...problems.build import build_all
 from ...problems.catalog import find_problem
-from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import check_writable, replacing
+from ...problems.errors import Mistake, SpecError
 from ...problems.load import load
 from ...problems.text import did_you_mean
 from ...transcription.continuation import solve_spec
@@ -21,10 +20,11 @@ from ..file.read import read
 from ..file.summary import summarize
 from ..file.write import check_target, write
 from ..pictures.style import check_picture, look, save
-from . import page
+from . import LIBRARY, page
 from .chapter import Chapter, Measured, PaperCheck
 from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines
 from .figures.example import Example, Picture, Run, Solutions, SolvedRun
+from .folder import FIGURES, INDEX, RESULTS, claim, write_text
 from .paper_values import EFFORTS, VALUES
 
 EXAMPLES: dict[str, Example] = {
@@ -32,14 +32,14 @@ EXAMPLES: dict[str, Example] = {
     for module in (block, splines, refinement, cartpole, biped, min_work, points, pendulum)
 }
 FORMATS = (".png", ".pdf")
-FIGURES, RESULTS, INDEX = "figures", "results", "index.html"
 
 
 def examples(names: Sequence[str]) -> list[Example]:
     """The examples of these names, all of them if there are none. Raises SpecError for an unknown name."""
     mistakes = []
     for name in (name for name in names if name not in EXAMPLES):
-        remedy = did_you_mean(name, EXAMPLES, always=f"the examples are {', '.join(EXAMPLES)}")
+        known = (*EXAMPLES, LIBRARY)
+        remedy = did_you_mean(name, known, always=f"the examples are {', '.join(known)}")
         mistakes.append(Mistake(name, "there is no such example", remedy))
     if mistakes:
         raise SpecError(mistakes)
@@ -74,7 +74,7 @@ def reproduce(
         chapters.append(_chapter(example, solved, unsolved, every))
         if figures and not unsolved:
             _draw(example, solved, folder, progress)
-    _write_page(folder, page.html(chapters, figures))
+    write_text(folder / INDEX, page.html(chapters, figures))
     return chapters
 
 
@@ -87,32 +87,11 @@ def prepare(folder: Path, chosen: Sequence[Example], figures: bool) -> None:
 
     Raises FileError.
     """
-    try:
-        foreign = folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not _is_ours(folder)))
-        if foreign:
-            what = "it exists and was not made by 'trajopt reproduce'"
-            raise FileError(Mistake(str(folder), what, "choose another folder with -o"))
-        for part in (RESULTS, FIGURES) if figures else (RESULTS,):
-            (folder / part).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        what = f"this folder cannot be made or read ({error.strerror})"
-        raise FileError(Mistake(str(folder), what, "choose another folder with -o")) from error
+    claim(folder, (RESULTS, FIGURES) if figures else (RESULTS,))
     for picture in (picture for example in chosen for picture in example.pictures if figures):
         for suffix in FORMATS:
             check_picture(_picture_path(folder, picture, suffix), FORMATS)
-    _write_page(folder, page.html([], figures))
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether the page in a folder says that it was written here."""
-    index = folder / INDEX
-    return index.is_file() and page.MARK in index.read_text(encoding="utf-8", errors="replace")
-
-
-def _write_page(folder: Path, text: str) -> None:
-    check_writable(folder / INDEX)
-    with replacing(folder / INDEX) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(folder / INDEX, page.html([], figures))
 
 
 # -- solving --------------------------------------------------------------------------------------------------------

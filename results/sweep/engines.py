@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from multiprocessing.sharedctypes import RawValue
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from ...problems.errors import Mistake, SpecError
 from .case import Answer, Task, solve_case
@@ -20,6 +20,8 @@ ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 PATIENCE = 10  # seconds to reach a scheduler
 STARTS, PAUSE = 5, 0.1
 """Attempts to start a worker, and seconds between the second and the third; they grow."""
+
+T = TypeVar("T")
 
 
 class Engine(Protocol):
@@ -62,26 +64,28 @@ class LocalEngine:
         self.context = multiprocessing.get_context("forkserver")
         self.context.set_forkserver_preload([f"{__package__}.preload"])
         self.flag = RawValue("b", 0)  # has no lock, which a killed worker might hold for ever
-        self.slots: list[tuple[ProcessPoolExecutor, Future[Answer] | None]] = [
-            (self._pool(), None) for _ in range(jobs)
-        ]
+        self.slots: list[tuple[ProcessPoolExecutor, Future[Any] | None]] = [(self._pool(), None) for _ in range(jobs)]
 
     def _pool(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(1, self.context, self.prepare, (self.flag,))
 
     def submit(self, task: Task) -> Future[Answer]:
+        return self.begin(solve_case, task)
+
+    def begin(self, work: Callable[..., T], *arguments: Any) -> Future[T]:
+        """Begin any work, in a process that is free: at most `capacity` may be unfinished."""
         free = next(i for i, (_, future) in enumerate(self.slots) if future is None or future.done())
         pool, _ = self.slots[free]
         for attempt in range(STARTS):
             try:
-                future = pool.submit(solve_case, task)
+                future = pool.submit(work, *arguments)
                 break
             except (BrokenExecutor, OSError, EOFError):  # the worker has died since, or the fork server
                 pool.shutdown(wait=False)
                 time.sleep(attempt * PAUSE)
                 pool = self._pool()
         else:
-            future = Future()
+            future = Future[T]()
             future.set_exception(BrokenExecutor("no process can be started"))
         self.slots[free] = pool, future
         return future

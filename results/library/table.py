@@ -1,0 +1,122 @@
+"""The rows as tables: Markdown for the repository, HTML and JSON for a folder, texts for a terminal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from html import escape
+
+from ..reproduction.page import UNFINISHED, document, machine, table
+from .rows import Row
+
+TITLE = "The library, solved and verified"
+
+MADE_BY = "trajopt reproduce library"
+"""Stands in every file that is written, by which it is known again."""
+
+LASTING = ("problem", "tags", "objective", "error bar", "reference", "digits", "bar holds", "segments", "points",
+           "meshes", "iterations", "verify", "source of the reference")  # fmt: skip
+"""Columns of what does not vary from run to run."""
+
+COLUMNS = (*LASTING[:-2], "seconds", "verify", "seconds of verify", LASTING[-1])
+NUMBERS = ("objective", "error bar", "reference", "digits", "segments", "points", "meshes", "iterations", "seconds",
+           "seconds of verify")  # fmt: skip
+"""Those columns that hold numbers."""
+
+WORDS = {True: "yes", False: "NO", None: ""}
+
+INTRODUCTION = """\
+Every shipped problem, as its file says, and verified by `trajopt verify`.
+
+- **error bar**: |J - J*| is at most that, as the solve claims; none for methods that give none.
+- **digits**: in which objective and reference agree, no more than the reference has, and at most 8, as the solver's
+  tolerance is 1e-8. Where the reference is zero: digits behind the point.
+- **bar holds**: the difference is within the error bar and the tolerance that the file gives its reference.
+- **segments**, **points**: of the last mesh, all phases together; **iterations**: over all meshes.
+
+docs/reproduce.md says how this page is made.
+"""
+
+
+def cells(row: Row) -> dict[str, str]:
+    """Column -> what it says of a row."""
+    solved = row.verdict if row.solved else f"NOT SOLVED: {row.message}"
+    return {
+        "problem": row.name,
+        "tags": ", ".join(row.tags),
+        "objective": _number(row.objective, ".10g"),
+        "error bar": _number(row.bar, ".1e"),
+        "reference": _number(row.reference, ".10g"),
+        "digits": _number(row.digits, ".1f"),
+        "bar holds": WORDS[row.holds],
+        "segments": str(row.segments),
+        "points": str(row.points),
+        "meshes": str(row.meshes),
+        "iterations": str(row.iterations),
+        "seconds": f"{row.seconds:.2f}",
+        "verify": solved,
+        "seconds of verify": f"{row.verify_seconds:.2f}",
+        "source of the reference": row.source,
+    }
+
+
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None else f"{value:{form}}"
+
+
+def verdict(rows: Sequence[Row]) -> str:
+    """What all rows together say, in one sentence."""
+    counts = {
+        "solved": sum(row.solved for row in rows),
+        "verified": sum(bool(row.checks) and not row.failed for row in rows),
+    }
+    bars = [row.holds for row in rows if row.holds is not None]
+    told = ", ".join(f"{count} {word}" for word, count in counts.items())
+    return f"{len(rows)} problems: {told}, the error bar holds in {sum(bars)} of {len(bars)}"
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The page of the repository: nothing in it varies from run to run."""
+    head = f"<!-- made by {MADE_BY} -->\n\n# {TITLE}\n\n{INTRODUCTION}\n{verdict(rows)}.\n"
+    sides = ["---:" if name in NUMBERS else "---" for name in LASTING]
+    lines = [LASTING, sides, *([cells(row)[name].replace("|", "\\|") for name in LASTING] for row in rows)]
+    failed = "".join(f"- `{row.name}` fails in `verify`: {'; '.join(row.failed)}\n" for row in rows if row.failed)
+    return head + "\n" + "".join(f"| {' | '.join(line)} |\n" for line in lines) + (f"\n{failed}" if failed else "")
+
+
+def html(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:
+    """A page that needs nothing else; one that says so as long as there are no rows.
+
+    rows: of the table.
+    regressions: what got worse, in words; None where nobody compared.
+    """
+    if not rows:
+        return document(TITLE, UNFINISHED)
+    body = [f"<p>{verdict(rows)}. Written on {datetime.now(UTC):%Y-%m-%d}, on {escape(machine())}.</p>"]
+    if regressions is not None:
+        body.append(f"<p>Worse than in the baseline: {len(regressions) or 'nothing'}.</p>")
+        body += [f'<p class="fail">{escape(line)}</p>' for line in regressions]
+    numbers = [COLUMNS.index(name) for name in NUMBERS]
+    body.append(table(COLUMNS, map(_html_cells, rows), numbers))
+    body += [f'<p class="fail">{escape(row.name)}: {escape("; ".join(row.failed))}</p>' for row in rows if row.failed]
+    return document(TITLE, "\n".join(body))
+
+
+def _html_cells(row: Row) -> list[str]:
+    told = {name: escape(text) for name, text in cells(row).items()}
+    for name, good in (("bar holds", row.holds is not False), ("verify", row.solved and not row.failed)):
+        if not good:
+            told[name] = f'<span class="fail">{told[name]}</span>'
+    return [told[name] for name in COLUMNS]
+
+
+def as_json(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:
+    """One object with all rows, times too.
+
+    rows: of the table.
+    regressions: what got worse, in words; None where nobody compared.
+    """
+    told = [row.told for row in rows]
+    whole = {"made_by": MADE_BY, "machine": machine(), "regressions": regressions, "problems": told}
+    return json.dumps(whole, indent=1, allow_nan=False) + "\n"
