@@ -37,7 +37,7 @@ import numpy as np
 from ..transcription.solution.error import error_profile
 from ..transcription.solution.objective_error import ObjectiveError, objective_error
 from ..transcription.solution.trajectory import Trajectory
-from .audit.check import Check
+from .audit.check import ENGINE, Check
 from .audit.junctions import junctions, links
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
@@ -48,9 +48,6 @@ from .file.reload import Reloaded, reload
 
 LINKED = 1e-6
 """Relative to 1 + the bound: what a link may be missed by, as any constraint at the points."""
-
-ENGINE = 10.0
-"""Times the engine's tolerance, relative to 1 + |J|: what a solved program may be off by."""
 
 
 @np.errstate(all="ignore")  # a result without finite values fails its checks, and needs no warnings beside

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+ENGINE = 10.0
+"""Times the engine's tolerance, relative to 1 + |J|: what a solved program may be off by."""
+
 
 @dataclass(frozen=True)
 class Check:

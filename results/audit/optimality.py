@@ -11,7 +11,7 @@ import numpy as np
 from ...problems.problem import Function, Phase, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ..file.reload import Reloaded
-from .check import Check, at
+from .check import ENGINE, Check, at
 from .jumps import point_shares
 
 COMPLEX_STEP = 1e-30
@@ -106,10 +106,12 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
     )
     yield _hamiltonian_drift(hamiltonian, values, slopes, claimed, tolerance)
     blurred = slopes * _lopsided(hamiltonian)
+    engine = _left_by_engine(result, hamiltonian)
     for variable in hamiltonian.phase.inputs:
         gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
         scale = _scale(hamiltonian, values, variable.name)
         unknown = _of_costates(hamiltonian, values, variable.name, blurred)
+        unknown += engine
         unknown += claimed / float(np.ptp(hamiltonian.trajectory.t)) / (1 + np.abs(values[variable.name]).max())
         gradient = np.sign(gradient) * np.where(np.abs(gradient) > unknown, np.abs(gradient) - unknown, 0 * gradient)
         residual = _natural_residual(gradient / scale, values[variable.name], variable.bounds)
@@ -118,6 +120,14 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         yield Check(name, float(residual[k]), tolerance, at(t[k]))
     if hamiltonian.phase.inputs:
         yield _legendre(hamiltonian, values, t, tolerance)
+
+
+def _left_by_engine(result: Reloaded, hamiltonian: Hamiltonian) -> np.ndarray:
+    """What the engine's tolerance leaves of dL/du at each point, shape (M,): it ends with weight T dL/du that small."""
+    trajectory = hamiltonian.trajectory
+    weights = trajectory.mesh.weights[hamiltonian.points] * float(np.ptp(trajectory.t))
+    left: np.ndarray = ENGINE * result.records[-1].tolerance / np.where(weights > 0, weights, np.inf)
+    return left
 
 
 def _hamiltonian_drift(
