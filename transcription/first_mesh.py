@@ -18,7 +18,7 @@ from .starts.other import other_starts, without_effect
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
-search for what would have to give way."""
+search for what would have to give way. Of the processor: what is found does not depend on who else is at work."""
 
 NOT_OF_THE_START = (
     Status.INTERRUPTED, Status.MAX_CPU_TIME, Status.MAX_WALL_TIME, Status.OVERDETERMINED, Status.INVALID_PROBLEM,
@@ -50,20 +50,20 @@ def solve_first_mesh(
     """
     if settings.starts and start.guess is None:
         return _doubted(_of_many(problem, meshes, tolerance, settings, start, watch))
-    began = time.monotonic()
+    began = time.process_time()
     best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
         return _doubted(best)
-    seconds = max(SECONDS, TIMES * (time.monotonic() - began))
+    seconds = max(SECONDS, TIMES * (time.process_time() - began))
 
     def run(guess: Sequence[Curves], limit: Limit) -> Found:
         limited = replace(watch, stop=limit.reached)
         return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
-        best = _from_others(problem, best, run, Limit(seconds, watch.stop))
+        best = _from_others(problem, best, run, Limit(seconds, watch.stop, time.process_time))
     if _may_contradict(best[0], settings):
-        best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop), start.guess)
+        best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop, time.process_time), start.guess)
     return _doubted(best)
 
 

@@ -50,13 +50,21 @@ Found = tuple[Solution, Solved]
 
 
 class Limit:
-    """When a solve has to end: after some seconds from now, or when `stop` says so."""
+    """When a solve has to end: after some seconds from now, or when `stop` says so.
 
-    def __init__(self, seconds: float | None, stop: Callable[[], bool] | None) -> None:
-        self.end, self.stop = inf if seconds is None else time.monotonic() + seconds, stop
+    clock: of these seconds.
+    """
+
+    def __init__(
+        self,
+        seconds: float | None,
+        stop: Callable[[], bool] | None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.end, self.stop, self.clock = inf if seconds is None else clock() + seconds, stop, clock
 
     def reached(self) -> bool:
-        return self.asked() or time.monotonic() > self.end
+        return self.asked() or self.clock() > self.end
 
     def asked(self) -> bool:
         """Whether it was `stop` that said so."""
