@@ -55,10 +55,12 @@ def solve_spec(
 
 
 def way_of(spec: Spec) -> dict[str, list[float]]:
-    """Path -> the values to go through, the file's own the last.
+    """Path -> the values to go through, the file's own the last; empty without `continuation:`.
 
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
+    if not spec.continuation:
+        return {}
     data = json.loads(spec.model_dump_json())
     way, wrong = {}, []
     for given, values in spec.continuation.items():
@@ -72,7 +74,7 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
     if not wrong and len({len(values) for values in way.values()}) > 1:
         what = "the lists of values do not have one length, the values of the file counted"
         wrong.append(Finding(("continuation",), what, "give all of them the same number of values"))
-    for k in range(0 if wrong or not way else len(next(iter(way.values()))) - 1):
+    for k in range(0 if wrong else len(next(iter(way.values()))) - 1):
         try:
             _at(spec, {path: values[k] for path, values in way.items()})
         except SpecError as error:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
@@ -22,6 +21,7 @@ from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
+from .keyframes import uneven, unordered
 from .names import check_names, name_trouble
 from .values import NO_STATES, check_phase
 
@@ -61,7 +61,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     between = Between(symbols, Symbols(spec))
     connected = [*_expressions(spec, between), *check_names(spec), *_frames(spec, between), *_absent(spec, between)]
     if whole and not errors and not connected:
-        connected += [*_passages(spec, symbols), *_objective(spec, own), *_ranges(spec, between)]
+        connected += [*_passages(spec, own, symbols), *_objective(spec, own), *_ranges(spec, between)]
     return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings)]
 
 
@@ -102,13 +102,13 @@ def _waypoints(spec: Spec) -> Iterator[Finding]:
 
 def _open_ends(spec: Spec) -> Iterator[Finding]:
     """Nobody says when the first phase begins, or when the last ends."""
-    names = list(own_entries(spec))
+    entries = own_entries(spec)
     before = forward(spec)
     for end, where, outer in (
-        ("initial", "the first phase begins", [name for name in names if name not in before]),
-        ("final", "the last phase ends", [name for name in names if name not in before.values()]),
+        ("initial", "the first phase begins", [name for name in entries if name not in before]),
+        ("final", "the last phase ends", [name for name in entries if name not in before.values()]),
     ):
-        missing = [name for name in outer if getattr(own_entries(spec)[name].time, end) is None]
+        missing = [name for name in outer if getattr(entries[name].time, end) is None]
         if missing and getattr(spec.time, end) == OPEN_END:
             remedy = f"write time: {{{end}: ...}}, at the top level or in the phase {missing[0]}"
             path: Path = ("time",) if spec.time != Time() else ("phases", missing[0])
@@ -123,11 +123,10 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not constant:
                 what = f"{node.symbol} is not smooth, and nonsmooth: is about expressions of one phase"
                 yield Finding(path, what, _SMOOTH)
-    for path, kind in ((("constraints", "integral"), spec.constraints.integral),):
-        for i, _ in enumerate(kind):
-            what = "with phases, an integral constraint belongs to one of them"
-            remedy = "move it into a phase; for the whole trajectory use a state with this as its rate"
-            yield Finding((*path, i), what, remedy)
+    for i, _ in enumerate(spec.constraints.integral):
+        what = "with phases, an integral constraint belongs to one of them"
+        remedy = "move it into a phase; for the whole trajectory use a state with this as its rate"
+        yield Finding(("constraints", "integral", i), what, remedy)
 
 
 def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
@@ -141,17 +140,9 @@ def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
             yield Finding(path, f"{brief(name)} is not a state or a control of any phase", remedy)
         for i, value in enumerate(row):
             yield from between.findings((*path, i), value, constant=True)
-    lengths = {name: len(row) for name, row in frames.items()}
-    first = next(iter(lengths), "")
-    for name, length in lengths.items():
-        if length != lengths[first]:
-            what = f"{name} has {length} keyframes, {first} has {lengths[first]}"
-            yield Finding(("guess", "keyframes", name), what, "give all of them the same number of values")
+    yield from uneven(frames)
     times = [between.shared.number(value, 0.0) for value in frames.get("time", ()) if not between.unsound(value)]
-    if any(later <= earlier for earlier, later in pairwise(times)):
-        yield Finding(
-            ("guess", "keyframes", "time"), "the times do not increase", "sort them, each larger than the last"
-        )
+    yield from unordered(times)
 
 
 def _absent(spec: Spec, between: Between) -> Iterator[Finding]:
@@ -193,15 +184,14 @@ def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:
 def _ranges(spec: Spec, between: Between) -> Iterator[Finding]:
     """Bounds of links leave room."""
     for i, link in expression_links(spec):
-        bounds = between.range(link.lower, link.upper, link.equals)
+        bounds = between.range(link)
         if bounds.lower > bounds.upper:
             what = f"lower {bounds.lower:g} is above upper {bounds.upper:g}"
             yield Finding(("links", i, "lower"), what, "exchange or change them")
 
 
-def _passages(spec: Spec, symbols: Mapping[str, Symbols]) -> Iterator[Finding]:
+def _passages(spec: Spec, specs: Mapping[str, Spec], symbols: Mapping[str, Symbols]) -> Iterator[Finding]:
     """What goes on from phase to phase has room to do so."""
-    specs = phase_specs(spec)
     for own in passages(spec):
         source, target = symbols[own.source], symbols[own.target]
         if goes_on_in_time(spec, own):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
@@ -23,6 +22,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
+from .keyframes import uneven, unordered
 from .names import name_trouble, title_troubles
 from .tables import beyond_tables
 from .unused import unused
@@ -246,18 +246,13 @@ class _Checker:
         """Keyframes have one length and increasing times; guesses lie inside the bounds."""
         rows = {("guess", "constants", name): [value] for name, value in self.spec.guess.constants.items()}
         keyframes = {("guess", "keyframes", name): row for name, row in self.spec.guess.keyframes.items()}
-        first, wanted = next(((path[-1], len(row)) for path, row in keyframes.items()), ("", 0))
-        for path, row in keyframes.items():
-            if len(row) != wanted:
-                what = f"{path[-1]} has {len(row)} keyframes, {first} has {wanted}"
-                self.error(path, what, "give all of them the same number of values")
+        self.errors += uneven(self.spec.guess.keyframes)
         declared = {variable.name: variable for variable in self.declared()}
         for path, row in {**rows, **keyframes}.items():
             keys = [path] if path in rows else [(*path, i) for i in range(len(row))]
             values = [self.numbers[key] for key in keys if key in self.numbers]
             if path == ("guess", "keyframes", "time"):
-                if any(later <= earlier for earlier, later in pairwise(values)):
-                    self.error(path, "the times do not increase", "sort them, each larger than the one before")
+                self.errors += unordered(values)
             elif variable := declared.get(path[-1]):
                 self.inside(path, values, self.range(variable.path, variable.entry))
 

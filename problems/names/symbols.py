@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -33,6 +33,13 @@ UNKNOWN = Expression("?", Name(0, 1, "?", None))
 STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
 TABLE = "table"
 VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
+
+
+def range_of(entry: Bounded, number: Callable[[Expression | None, float], float]) -> Range:
+    """The range of an entry; number: the value of an expression, or what it is given if there is none."""
+    value = getattr(entry, "value", None) or getattr(entry, "equals", None)
+    lower, upper = (value, value) if value else (entry.lower, entry.upper)
+    return Range(number(lower, -np.inf), number(upper, np.inf))
 
 
 class Symbols:
@@ -130,11 +137,7 @@ class Symbols:
 
     def range(self, entry: Bounded | None) -> Range:
         """The range of an entry with lower and upper, and perhaps value or equals."""
-        if entry is None:
-            return Range()
-        value = getattr(entry, "value", None) or getattr(entry, "equals", None)
-        lower, upper = (value, value) if value else (entry.lower, entry.upper)
-        return Range(self.number(lower, -np.inf), self.number(upper, np.inf))
+        return Range() if entry is None else range_of(entry, self.number)
 
     def fault(self, expression: Expression) -> Fault | None:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""

@@ -13,8 +13,9 @@ from typing import Any
 from ..expressions.expression import Expression
 from ..expressions.tree import External, Name, Node, below, leaves, rebuilt
 from ..names import lookups
-from ..names.symbols import TABLE, Symbols, no_value
+from ..names.symbols import TABLE, Symbols, no_value, range_of
 from ..problem import Range
+from ..schema.fields import Bounded
 from ..text import did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -62,13 +63,9 @@ class Between:
         """Whether an expression that should be a constant has mistakes."""
         return any(self.findings((), constant, constant=True))
 
-    def range(self, lower: Expression | None, upper: Expression | None, equals: Expression | None) -> Range:
-        """The range of the bounds of a link."""
-        if equals is not None:
-            lower = upper = equals
-        ends = (None if end is None else self.function(end).constant() for end in (lower, upper))
-        low, high = ends
-        return Range(float("-inf") if low is None else low, float("inf") if high is None else high)
+    def range(self, entry: Bounded) -> Range:
+        """The range of the bounds of a link, or of a boundary constraint of the top level."""
+        return range_of(entry, lambda end, default: default if end is None else self.function(end).constant())
 
     def _trouble(self, name: Name, constant: bool) -> tuple[str, str] | None:
         """What is wrong with a name, and the remedy."""

@@ -34,11 +34,9 @@ def links_of(
     names = link_names(spec)
     for (_, link), name in zip(expression_links(spec), names, strict=True):
         assert link.expression is not None  # as it is one of these
-        bounds = between.range(link.lower, link.upper, link.equals)
-        links.append(Constraint(name, between.function(link.expression), bounds))
+        links.append(Constraint(name, between.function(link.expression), between.range(link)))
     for constraint, name in zip(spec.constraints.boundary, boundary_names(spec), strict=True):
-        bounds = between.range(constraint.lower, constraint.upper, constraint.equals)
-        links.append(Constraint(name, between.function(constraint.expression), bounds))
+        links.append(Constraint(name, between.function(constraint.expression), between.range(constraint)))
     terminal = spec.objective.terms.terminal
     return tuple(links), None if terminal is None else between.function(terminal)
 
