@@ -167,11 +167,15 @@ def _absent(spec: Spec, between: Between) -> Iterator[Finding]:
                 yield Finding(("links", i, "except"), f'there is no state "{name}" to leave out', remedy)
 
 
+def _conditions(spec: Spec) -> Iterator[tuple[Path, LinkEntry | ConstraintEntry]]:
+    """What is asked of the ends of several phases: links with an expression, boundary constraints of the top level."""
+    yield from ((("links", i), link) for i, link in expression_links(spec))
+    yield from ((("constraints", "boundary", i), entry) for i, entry in enumerate(spec.constraints.boundary))
+
+
 def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:
     """(path, expression, whether it must be a constant)."""
-    both: list[tuple[Path, LinkEntry | ConstraintEntry]] = [(("links", i), link) for i, link in expression_links(spec)]
-    both += [(("constraints", "boundary", i), entry) for i, entry in enumerate(spec.constraints.boundary)]
-    for path, entry in both:
+    for path, entry in _conditions(spec):
         if entry.expression is not None:
             yield (*path, "expression"), entry.expression, False
         for key in ("lower", "upper", "equals"):
@@ -182,12 +186,12 @@ def _uses(spec: Spec) -> Iterator[tuple[Path, Expression, bool]]:
 
 
 def _ranges(spec: Spec, between: Between) -> Iterator[Finding]:
-    """Bounds of links leave room."""
-    for i, link in expression_links(spec):
-        bounds = between.range(link)
+    """Bounds on the ends of several phases leave room."""
+    for path, entry in _conditions(spec):
+        bounds = between.range(entry)
         if bounds.lower > bounds.upper:
             what = f"lower {bounds.lower:g} is above upper {bounds.upper:g}"
-            yield Finding(("links", i, "lower"), what, "exchange or change them")
+            yield Finding((*path, "lower"), what, "exchange or change them")
 
 
 def _passages(spec: Spec, specs: Mapping[str, Spec], symbols: Mapping[str, Symbols]) -> Iterator[Finding]:

@@ -146,6 +146,13 @@ PHASES = [
         "belongs to one of them",
     ),
     edit(
+        "crossed bounds of a boundary constraint of all phases",
+        "refine: {}",
+        "constraints: {boundary: [{expression: 'second.m[final]', lower: 2*case, upper: case}]}",
+        "constraints.boundary.0.lower",
+        "is above upper",
+    ),
+    edit(
         "an unknown name in the objective",
         "second.energy[final]",
         "second.enrgy[final]",
