@@ -93,7 +93,7 @@ def uneven(guess: GuessEntry) -> Iterator[Finding]:
     frames = guess.keyframes
     for name, row in frames.items() if TIME in frames else ():
         if len(row) != len(frames[TIME]):
-            what = f"{name} has {len(row)} keyframes, and there are {len(frames[TIME])} times"
+            what = f"{name} has {len(row)} keyframes, time has {len(frames[TIME])}"
             remedy = "give it the same number of values, or leave out time: for rows that are equally spaced"
             yield Finding(("guess", "keyframes", name), what, remedy)
 
