@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
