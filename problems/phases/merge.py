@@ -162,8 +162,10 @@ AnEnded = TypeVar("AnEnded", StateEntry, Velocity)
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """Both, by name: of one name the own keys over the shared ones; numbers and expressions replace each other."""
-    functions = {declared.name for name in own if (declared := signature(name))}
-    both = {name: entry for name, entry in shared.items() if not (f := signature(name)) or f.name not in functions}
+    functions = {called.name for called in map(signature, own) if called}
+    both = {
+        name: entry for name, entry in shared.items() if not (called := signature(name)) or called.name not in functions
+    }
     for name, entry in own.items():
         before = both.get(name)
         declared = isinstance(entry, Entry) and before is not None and "value" not in type(entry).model_fields
