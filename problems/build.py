@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from .expressions.expression import Expression
 from .guess import finished, initial_guess
+from .language.functions import written_out
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
@@ -27,6 +28,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
+    shared, _ = written_out(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
         builders[name] = _Builder(own, name, mesh, frozenset(taken))
@@ -36,17 +38,17 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     if len(phases) > 1:
         phases = list(map(in_order, phases))
     specs = {name: builder.spec for name, builder in builders.items()}
-    phases = through_phases(spec, specs, symbols, phases)
+    phases = through_phases(shared, specs, symbols, phases)
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
     )
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in spec.optimize.items()), *slack),
+        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in shared.optimize.items()), *slack),
         links=links,
         mayer=mayer,
     )

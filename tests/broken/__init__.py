@@ -8,6 +8,7 @@ from trajopt.transcription.schemes import table as schemes
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
+from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
 from .guesses import BAD_GUESS, GUESSES
 from .methods import CONSISTENT, RANGES, SOLVERS
@@ -21,5 +22,5 @@ __all__ = ["BAD_CSV", "BAD_GUESS", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS"
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS),
 ]
