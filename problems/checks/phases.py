@@ -40,8 +40,8 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         if spec.links:
             what = "there are links, but no phases to link"
             return [Finding(("links",), what, "add phases:, or write the conditions under constraints.boundary")], []
-        errors, warnings = check_phase(spec, whole)
-        return errors + (list(computed_guess(spec)) if whole and not errors else []), warnings
+        found, warned = check_phase(spec, whole)
+        return found + (list(computed_guess(spec)) if whole and not found else []), warned
     errors = list(_structure(spec))
     if errors:
         return errors, []

@@ -45,9 +45,9 @@ def through_phases(
                 for name, ends in _curves(state.name, chain, symbols, known):
                     if state.name not in guessed[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
-    ends = phases[0], phases[-1]
-    fixed = ends[0].initial_time.fixed and ends[1].final_time.fixed
-    whole = Span(ends[0].guess.initial_time, ends[1].guess.final_time, fixed)
+    first, last = phases[0], phases[-1]
+    fixed = first.initial_time.fixed and last.final_time.fixed
+    whole = Span(first.guess.initial_time, last.guess.final_time, fixed)
     rows = rows_of(spec.guess, next(iter(symbols.values())).number, whole)
     return [_with_part(phase, rows, whole, guessed[phase.name]) for phase in by_name.values()]
 

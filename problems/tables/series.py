@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
+from typing import Any
 
 from ..text import brief
 from .columns import numbers_of, read_rows, refuse
@@ -12,7 +13,7 @@ from .columns import numbers_of, read_rows, refuse
 TIME = "time"
 NAMES_OF_TIME = (TIME, "t")
 
-Series = dict[str, list[float | None]]
+Series = dict[str, list[Any]]
 """TIME -> times, increasing, and name of each column -> its numbers, None where there is none."""
 
 
