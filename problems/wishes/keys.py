@@ -95,8 +95,8 @@ def _guess(value: Any, path: Path) -> str:
 
 
 def _guess_of_name(value: Any, path: Path) -> str:
-    many = isinstance(value, list)
-    return f"{'keyframes' if many else 'constants'}: {{{entry(str(path[-1]), value)}}}"
+    kind = {list: "keyframes", str: "formulas"}.get(type(value), "constants")
+    return f"{kind}: {{{entry(str(path[-1]), value)}}}"
 
 
 def _dynamics(value: Any, path: Path) -> str:
@@ -199,7 +199,7 @@ _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
         "lower: 0, upper: 1, and look at whether it is at its bounds",
     ),
     ("constraints", "periodic periodicity cyclic"): ("a period is a condition at the ends", _periodic),
-    ("guess", "file result from"): (
+    ("guess", "result from"): (
         "an earlier result is given on the command line",
         lambda value, _: f"trajopt solve FILE --guess {value if isinstance(value, str) else 'RESULT.h5'}",
     ),
@@ -243,8 +243,8 @@ def key_wish(path: Path, value: Any) -> Wish | None:
     if key := _WORDS.get((kind, word)):
         line = entry(key, value)
         return Wish(key, "", f"{key}: in place of {word}:" if line == f"{key}:" or kind == "file" else line)
-    if kind == "guess" and (isinstance(value, int | float | list) and not isinstance(value, bool)):
-        return Wish("", "values of one variable stand in constants or keyframes", _guess_of_name(value, path))
+    if kind == "guess" and isinstance(value, int | float | list | str) and not isinstance(value, bool):
+        return Wish("", "the guess of one variable is of a kind", _guess_of_name(value, path))
     return None
 
 

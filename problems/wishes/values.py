@@ -16,7 +16,7 @@ Words = tuple[str, str]
 
 _QUANTITY = re.compile(rf"({NUMBER})\s*((?:[A-Za-zµμ°Ω%][\w µμ°Ω*/^.·²³-]*))")
 _DEGREES = re.compile(r"°|deg|degs|degree|degrees")
-_RESULT = re.compile(r"\S+\.(h5|hdf5|nc)")
+_RESULT, _CSV = re.compile(r"\S+\.(h5|hdf5|nc)"), re.compile(r"\S+\.csv")
 _ASSIGNED = re.compile(r"[\w./()']+\s*=\s*([^=].*)")
 
 METHODS = {
@@ -104,9 +104,18 @@ def _section(path: Path, given: Any) -> Words | None:
             wish = "the mesh is a schedule", f'start each item with "- ", or write mesh: [{flow(given)}]'
         case ("refine",) if number:
             wish = "refinement has several settings", f"write refine: {{{entry('tolerance', given)}}}"
-        case ("guess",) if text and _RESULT.fullmatch(given):
-            wish = "an earlier result is given on the command line", f"write trajopt solve FILE --guess {given}"
+        case ("guess",) if text and _CSV.fullmatch(given):
+            wish = "the columns of a CSV file are one of several kinds of guess", f"write guess: {{file: {given}}}"
+        case ("guess",) if text:
+            wish = result_as_guess(given)
     return wish
+
+
+def result_as_guess(file: str) -> Words | None:
+    """What is said of a result file that is named as a guess; None for other names."""
+    if not _RESULT.fullmatch(file):
+        return None
+    return "an earlier result is given on the command line", f"write trajopt solve FILE --guess {file}"
 
 
 def _constraint(path: Path, given: Any) -> Words | None:

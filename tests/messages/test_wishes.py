@@ -104,6 +104,8 @@ ADDED = {  # what is added to the good file, and the line that the message gives
     "guess: {x: [0, 1]}": "keyframes: {x: [0, 1]}",
     "guess: old.h5": "trajopt solve FILE --guess old.h5",
     "guess: {file: old.h5}": "trajopt solve FILE --guess old.h5",
+    "guess: old.csv": "guess: {file: old.csv}",
+    "guess: {v: 2*t}": "formulas: {v: 2*t}",
     "constraints: {path: [u*v <= 9]}": "{expression: u*v, upper: 9}",
     "constraints: [1 >= x]": "constraints: {path: [{expression: x, upper: 1}]}",
     "constraints: {path: [0 <= x <= 2]}": "{expression: x, lower: 0, upper: 2}",
