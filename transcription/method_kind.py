@@ -49,7 +49,8 @@ class Program(NamedTuple):
 class MethodKind:
     """refused: why a phase cannot be transcribed on its mesh. transcribe: as `transcribe.transcribe`, all of its
     arguments given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
-    numbers: what a program reads beside its unknowns. kept: both at once, where programs are kept for the next problem that differs in numbers only.
+    numbers: what a program reads beside its unknowns. kept: a transcription and its program at once, where programs are
+    kept for the next problem that differs in numbers only.
     """
 
     refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]

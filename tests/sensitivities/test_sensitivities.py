@@ -169,7 +169,7 @@ def test_stored_shown_and_in_python(tmp_path):
     stored = trajopt.read(path).sensitivities
     assert dict(stored) == dict(solution.sensitivities) and stored.missing == ""
     assert stored["parameters.u_max"] < 0 < stored["controls.u.lower"]
-    with pytest.raises(KeyError, match="did you mean parameters.u_max"):
+    with pytest.raises(KeyError, match=r"did you mean parameters\.u_max"):
         stored["parameters.umax"]
     shown = command("show", path, "--sensitivities")
     row = next(line for line in shown.stdout.splitlines() if line.startswith("parameters.u_max"))
