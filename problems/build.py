@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from functools import partial
 
 from .expressions.expression import Expression
-from .guess import initial_guess
+from .guess import finished, initial_guess
+from .language.functions import written_out
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
-from .phases.guess import through_phases
+from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
-from .phases.order import own_entries
+from .phases.order import own_entries, with_left_out
 from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.fields import Bounded
 from .schema.spec import Spec
@@ -25,9 +26,11 @@ from .yaml.document import Path
 def build(spec: Spec, mesh: int = -1) -> Problem:
     """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
 
-    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
+    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ. Raises
+    `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
+    shared, _ = written_out(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
         builders[name] = _Builder(own, name, mesh, frozenset(taken), partial(home, spec, name))
@@ -36,14 +39,18 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
         phases = list(map(in_order, phases))
-    phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
+    specs = {name: builder.spec for name, builder in builders.items()}
+    phases = through_phases(shared, specs, symbols, phases)
+    phases = finished(
+        phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
+    )
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*map(first.static, spec.optimize), *slack),
+        parameters=(*map(first.static, shared.optimize), *slack),
         links=links,
         mayer=mayer,
     )
