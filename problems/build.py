@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from .expressions.expression import Expression
 from .guess import initial_guess
+from .language.functions import written_out
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
@@ -26,6 +27,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
     """
     builders: dict[str, _Builder] = {}
+    shared, _ = written_out(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
         builders[name] = _Builder(own, name, mesh, frozenset(taken))
@@ -34,14 +36,14 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
         phases = list(map(in_order, phases))
-    phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
+    phases = through_phases(shared, {name: b.spec for name, b in builders.items()}, symbols, phases)
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in spec.optimize.items()), *slack),
+        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in shared.optimize.items()), *slack),
         links=links,
         mayer=mayer,
     )

@@ -15,10 +15,10 @@ from .errors import FileError, Mistake, SpecError
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
-from .schema.fields import STORED, TABLES
+from .schema.fields import CALLED, STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
-from .schema.tables import table_names
+from .schema.tables import called_names
 from .tables.files import read_files
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
@@ -105,7 +105,7 @@ def load_text(
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
         early.append(NO_STATES)
-    context = {"methods": tuple(methods), TABLES: table_names(data)}
+    context = {"methods": tuple(methods), CALLED: called_names(data)}
     unread = read_files(data, folder)
     early += unread
     try:
@@ -200,7 +200,7 @@ def load_stored(data: Mapping[str, Any], file: str) -> Spec:
     if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
         data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
-        spec = Spec.model_validate(data, context={STORED: True, TABLES: table_names(data)})
+        spec = Spec.model_validate(data, context={STORED: True, CALLED: called_names(data)})
         errors, _ = check_spec(spec)
     except ValidationError as error:
         raise _unreadable(messages.findings(error, locations)[0], file) from error

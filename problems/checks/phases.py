@@ -8,10 +8,11 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, leaves, nodes
+from ..language.functions import called_functions, written_out
 from ..names.symbols import Symbols
 from ..names.variables import states
 from ..phases.between import Between
-from ..phases.merge import home, phase_specs
+from ..phases.merge import home, phase_specs, phases_as_written
 from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
 from ..problem import Range
 from ..schema.declarations import OPEN_END, Time
@@ -43,26 +44,35 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     errors = list(_structure(spec))
     if errors:
         return errors, []
-    own = phase_specs(spec)
+    written = phases_as_written(spec)
     warnings: list[Finding] = []
     open_ends = list(_open_ends(spec))
-    for name, phase in own.items():
+    for name, phase in written.items():
         if not phase.states and not phase.model:
             errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
             continue
         found, warned = check_phase(phase, whole, name)
         errors += (_at_home(spec, name, finding) for finding in found)
         warnings += (_at_home(spec, name, finding) for finding in warned)
-    if not all(phase.states or phase.model for phase in own.values()):
+    if not all(phase.states or phase.model for phase in written.values()):
         return errors, []
+    own = phase_specs(spec)
     if open_ends:
         errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
+    called = called_functions(spec)
+    spec, mistaken_calls = written_out(spec)
     between = Between(symbols, Symbols(spec))
-    connected = [*_expressions(spec, between), *check_names(spec), *_frames(spec, between), *_absent(spec, between)]
+    connected = [
+        *_calls(mistaken_calls),
+        *_expressions(spec, between),
+        *check_names(spec),
+        *_frames(spec, between),
+        *_absent(spec, between),
+    ]
     if whole and not errors and not connected:
         connected += [*_passages(spec, own, symbols), *_objective(spec, own), *_ranges(spec, between)]
-    return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings)]
+    return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings, called)]
 
 
 def _at_home(spec: Spec, phase: str, finding: Finding) -> Finding:
@@ -113,6 +123,13 @@ def _open_ends(spec: Spec) -> Iterator[Finding]:
             remedy = f"write time: {{{end}: ...}}, at the top level or in the phase {missing[0]}"
             path: Path = ("time",) if spec.time != Time() else ("phases", missing[0])
             yield Finding(path, f"nothing says when {where}", remedy)
+
+
+def _calls(mistaken: list[Finding]) -> Iterator[Finding]:
+    """The mistakes in calls of functions that are about the ends of several phases; others are told by the phases."""
+    for finding in mistaken:
+        if finding.path[:2] == ("constraints", "boundary") or "terminal" in finding.path or finding.path[0] == "links":
+            yield finding
 
 
 def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
@@ -230,13 +247,13 @@ def _objective(spec: Spec, own: Mapping[str, Spec]) -> Iterator[Finding]:
         yield Finding(("objective", sense), "the objective is empty", "add integral: or terminal: with an expression")
 
 
-def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding]) -> Iterator[Finding]:
+def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding], called: set[str]) -> Iterator[Finding]:
     """Warnings of phases, each once; a name counts as used nowhere if no phase and no link uses it."""
     written = [
         *(expression for _, expression, _ in _uses(spec)),
         *(v for row in spec.guess.keyframes.values() for v in row),
     ]
-    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)}
+    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)} | called
     seen: dict[Finding, int] = {}
     for warning in warnings:
         seen[warning] = seen.get(warning, 0) + 1

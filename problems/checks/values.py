@@ -6,8 +6,10 @@ from math import inf, isfinite
 
 from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
+from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
+from ..language.functions import called_functions, written_out
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import Symbols, no_value
@@ -22,6 +24,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
+from .functions import signature_troubles
 from .keyframes import uneven, unordered
 from .names import name_trouble, title_troubles
 from .tables import beyond_tables
@@ -31,8 +34,8 @@ NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
 
-OF_TABLES = RESERVED.union(LACKING, ALIASES)
-"""Names that no table may have: some functions are told to be missing, with what does their work."""
+CALLED = RESERVED.union(LACKING, ALIASES)
+"""Names that no table and no function of a file may have: some are told to be missing, with what does their work."""
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
@@ -44,7 +47,10 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     """
     if not spec.model and not spec.states:
         return [NO_STATES], []
+    called = called_functions(spec)
+    spec, mistaken_calls = written_out(spec)
     checker = _Checker(spec)
+    checker.errors += mistaken_calls
     checker.names()
     checker.constants()
     checker.varying_at_ends()
@@ -71,7 +77,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
-        checker.warnings += unused(spec, checker.symbols)
+        checker.warnings += unused(spec, checker.symbols, called)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
@@ -100,7 +106,9 @@ class _Checker:
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
             for name in getattr(spec, group):
-                if name not in own:
+                if group == "expressions" and set("()") & set(name):
+                    self.function(name, first)
+                elif name not in own:
                     self.name((group, name), name, first)
         for state in self.symbols.states:
             if state.velocity_of:
@@ -109,9 +117,16 @@ class _Checker:
             if name in first:
                 self.error((first[name], name), f"{name} is an output of the model {spec.model}", "choose another name")
 
-    def name(self, path: Path, name: str, first: dict[str, str]) -> None:
+    def function(self, key: str, first: dict[str, str]) -> None:
+        """A name with arguments."""
+        path: Path = ("expressions", key)
+        self.errors += signature_troubles(path, key)
+        if own := signature(key):
+            self.name(path, own.name, first, CALLED)
+
+    def name(self, path: Path, name: str, first: dict[str, str], reserved: frozenset[str] = RESERVED) -> None:
         """One name; first: every name before it -> where it was declared."""
-        if trouble := name_trouble(name, OF_TABLES if path[0] == "tables" else RESERVED):
+        if trouble := name_trouble(name, CALLED if path[0] == "tables" else reserved):
             self.error(path, *trouble)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")

@@ -25,7 +25,7 @@ def through_phases(
 ) -> list[Phase]:
     """The phases, guesses of what goes on through them made one, where phases give none of their own.
 
-    spec: of the file.
+    spec: of the file, its functions written out.
     own: the spec of each phase.
     symbols: of each phase.
     phases: with the guess that each would have by itself.

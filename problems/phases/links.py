@@ -25,7 +25,7 @@ def links_of(
 ) -> tuple[tuple[Constraint, ...], Function | None]:
     """The constraints between phases, and the terminal objective of the top level.
 
-    spec: of the file, without mistakes.
+    spec: of the file, without mistakes, its functions written out.
     phases: all of them, in order.
     symbols: of each phase.
     """

@@ -8,6 +8,7 @@ from trajopt.transcription.schemes import table as schemes
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
+from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
@@ -20,5 +21,5 @@ __all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLE
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *FUNCTIONS),
 ]
