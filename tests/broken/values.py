@@ -108,9 +108,9 @@ KEYS = [
 
 STRANGE = [
     edit("NUL in a name", "a good file", '"a\\0b"', "name", r"the character '\x00', which cannot be printed"),
-    edit("NUL in a unit", "{unit: N,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
-    edit("an escape", "{unit: N,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
-    edit("DEL in a note", "{unit: N,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
+    edit("NUL in a unit", "{note: force,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
+    edit("an escape", "{note: force,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
+    edit("DEL in a note", "{note: force,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
 ]
 
 NUMBERS = [
