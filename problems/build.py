@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .expressions.expression import Expression
-from .guess import initial_guess
+from .guess import finished, initial_guess
 from .language.functions import written_out
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
-from .phases.guess import through_phases
+from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import phase_specs
-from .phases.order import own_entries
+from .phases.order import own_entries, with_left_out
 from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -24,7 +24,8 @@ from .yaml.document import Path
 def build(spec: Spec, mesh: int = -1) -> Problem:
     """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
 
-    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
+    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ. Raises
+    `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
     shared, _ = written_out(spec)
@@ -36,7 +37,11 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
         phases = list(map(in_order, phases))
-    phases = through_phases(shared, {name: b.spec for name, b in builders.items()}, symbols, phases)
+    specs = {name: builder.spec for name, builder in builders.items()}
+    phases = through_phases(shared, specs, symbols, phases)
+    phases = finished(
+        phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
+    )
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(

@@ -18,7 +18,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
+from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -176,9 +176,11 @@ class Symbols:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
-                f"{name.name} is {_with_article(role)}, but this value must be known before the solution is",
+                f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
+        elif context == GUESS and name.end:
+            found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
         elif context == TRAJECTORY and name.end:
             found = (
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
@@ -279,7 +281,8 @@ class Symbols:
                 self.fixed[name] = self._constant(expression)
 
 
-def _with_article(role: str) -> str:
+def with_article(role: str) -> str:
+    """ "a state", "an expression"."""
     return f"{'an' if role[0] in 'aeo' else 'a'} {role}"
 
 

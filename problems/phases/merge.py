@@ -147,7 +147,7 @@ def _merged(
             "constraints": constraints,
             "objective": _objective(spec.objective, own.objective),
             "residuals": spec.residuals if own.residuals is None else own.residuals,
-            "guess": own.guess or GuessEntry(constants=spec.guess.constants),
+            "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
             "phases": {},
             "links": [],
@@ -199,6 +199,11 @@ def _objective(shared: Objective, own: Objective | None) -> Objective:
     terms = Terms.model_construct(integral=integral, terminal=own.terms.terminal if own else None)
     maximize = shared.sense == "maximize"
     return Objective.model_construct(minimize=None if maximize else terms, maximize=terms if maximize else None)
+
+
+def _at_all_times(guess: GuessEntry) -> GuessEntry:
+    """What the guess of the top level says of every phase; its keyframes and data are about the whole trajectory."""
+    return GuessEntry(constants=guess.constants, formulas=guess.formulas, simulate=guess.simulate)
 
 
 def _time(spec: Spec, entries: Mapping[str, PhaseEntry], name: str, previous: Spec | None, last: bool) -> Time:

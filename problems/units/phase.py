@@ -143,8 +143,9 @@ class PhaseUnits:
 
     def _guess(self) -> None:
         guess = self.spec.guess
-        for name, value in guess.constants.items():
-            self.reader.agree(("guess", "constants", name), value, self.declared.get(name), f"{name} is")
+        for key, given in (("constants", guess.constants), ("formulas", guess.formulas), ("simulate", guess.simulate)):
+            for name, value in (given or {}).items():
+                self.reader.agree(("guess", key, name), value, self.declared.get(name), f"{name} is")
         for name, row in guess.keyframes.items():
             wanted = self.time if name == "time" else self.declared.get(name)
             for i, value in enumerate(row):

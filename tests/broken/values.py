@@ -93,7 +93,13 @@ KEYS = [
         "time.final",
         "add for example final: 1, or {lower: 0.5, upper: 3}",
     ),
-    edit("controls as lists", "u: {note: force, lower: -u_max, upper: u_max}", "u: [1, 2]", "controls.u", "a mapping, not"),
+    edit(
+        "controls as lists",
+        "u: {note: force, lower: -u_max, upper: u_max}",
+        "u: [1, 2]",
+        "controls.u",
+        "a mapping, not",
+    ),
     edit(
         "an objective as a number",
         "{minimize: " + TERMS + "}",

@@ -94,6 +94,8 @@ BROKEN = [
     ("a boundary constraint", "equals: span", "equals: m", 25, "constraints.boundary.0.equals", "and \"m\" in kg"),
     ("an integral", "upper: 100*l", "upper: g", 27, "constraints.integral.0.upper", "the integral is in m, and"),
     ("a guess", "F: [m*g, 0]", "F: [0, m]", 29, "guess.keyframes.F.1", 'F is in N, and "m" in kg'),
+    ("a formula of the guess", "guess:\n", "guess:\n  formulas: {v: l*t}\n", 29, "guess.formulas.v", '"l*t" in m*s'),
+    ("a simulated guess", ", F: [m*g, 0]}", "}\n  simulate: {F: x}", 30, "guess.simulate.F", 'F is in N, and "x"'),
     ("a varying exponent", "  load: (", "  odd: x**sin(q)\n  load: (", 12, "expressions.odd", "its exponent varies"),
     ("an exponent in metres", "power**2", "power**l", 20, "objective.minimize.integral", "an exponent is a pure"),
     ("a length and a speed", "hypot(v, l*w)", "hypot(x, v)", 27, "constraints.integral.0.expression", 'added to "x"'),
