@@ -95,7 +95,7 @@ def _guess(value: Any, path: Path) -> str:
 
 
 def _guess_of_name(value: Any, path: Path) -> str:
-    kind = {list: "keyframes", str: "formulas"}.get(type(value), "constants")
+    kind = "keyframes" if isinstance(value, list) else "formulas" if isinstance(value, str) else "constants"
     return f"{kind}: {{{entry(str(path[-1]), value)}}}"
 
 
