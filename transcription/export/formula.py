@@ -113,7 +113,8 @@ def name(symbol: str, *subscripts: str) -> Formula:
 
 def _word(word: str) -> str:
     """A letter and a number stand as they are, other words upright, with their underscores."""
-    return word if re.fullmatch(r"[A-Za-z]?\d*", word) else r"\mathrm{" + word.replace("_", r"\_") + "}"
+    text = word.replace("_", r"\_").replace(" ", r"\ ")
+    return word if re.fullmatch(r"[A-Za-z]?\d*", word) else r"\mathrm{" + text + "}"
 
 
 def number(x: float) -> Formula:
