@@ -24,7 +24,7 @@ from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .walk import changed, expressions_of, mapped, placed
+from .walk import changed, expressions_of, mapped
 
 MAX_SIZE = 20_000  # nodes of one expression with its functions written out
 MAX_DEPTH = 150  # of its tree, which is walked recursively
@@ -170,7 +170,7 @@ class _Writer:
         depth = body.depth + max(tree.depth for tree in given)
         self._within(node, _Tree(node, size, depth))
         root = self._at_end(node, body.root, by_name)
-        root = placed(root, node.start, node.stop)
+        root = _placed(root, node.start, node.stop)
         return _Tree(_substituted(root, {name: tree.root for name, tree in by_name.items()}), size, depth)
 
     def _at_end(self, node: Lookup, body: Node, given: Mapping[str, _Tree]) -> Node:
@@ -239,3 +239,11 @@ def _taken(name: Name, phase: str, end: str | None) -> Name:
 def _substituted(node: Node, values: Mapping[str, Node]) -> Node:
     """A tree with others in place of names."""
     return mapped(node, lambda name: values.get(name.name, name))
+
+
+def _placed(node: Node, start: int, stop: int) -> Node:
+    """The same tree, all of it at one place of a text."""
+    new = rebuilt(node, [_placed(part, start, stop) for part in below(node)])
+    if isinstance(new, Chain):
+        new = replace(new, links=tuple(replace(link, start=start, stop=stop) for link in new.links))
+    return replace(new, start=start, stop=stop)

@@ -1,9 +1,9 @@
 """The initial and the final time of a phase in what holds over time: `t[final]` in rates, integrals, path constraints.
 
-A time that is given is its number. One that is free becomes a static parameter, "final time", with the boundary
-constraint that it is the time: every method has exact derivatives by static parameters, and they stand in the error
-bar, in the conditions that `verify` looks at, and in simulations. The multiplier of that constraint is what the free
-time is worth beside the Hamiltonian at its end.
+Each becomes a static parameter, `final_time`, with the boundary constraint that it is the time: every method has exact
+derivatives by static parameters, and they stand in the error bar, in the conditions that `verify` looks at, and in
+simulations. The multiplier of that constraint is what the time is worth beside the Hamiltonian at its end; so it is for
+a time that is given, by which the objective has a sensitivity as well.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..expressions.tree import Chain, Link, Name, Node, leaves
 from ..schema.declarations import Static
 from ..schema.spec import Spec
 from ..yaml.document import Path
-from .walk import changed, expressions_of, mapped, placed
+from .walk import changed, expressions_of, mapped
 
 TIME = "t"
 
@@ -36,16 +36,10 @@ def times_as_parameters(spec: Spec, suffix: str) -> Spec:
     ends = {end for path, e in expressions_of(spec) if _over_time(path) for end in ENDS if _stands_in(e, end)}
     if not ends:
         return spec
-    given = {end: getattr(spec.time, end).value for end in sorted(ends)}
-    names = {end: f"{end} time{suffix}" for end, value in given.items() if value is None}
+    names = {end: _free_name(spec, f"{end}_time{suffix}") for end in sorted(ends)}
 
     def instead(name: Name) -> Node:
-        if name.name != TIME or name.end not in given:
-            return name
-        value = given[name.end]
-        if value is None:
-            return replace(name, name=names[name.end], end=None)
-        return placed(value.root, name.start, name.stop)
+        return replace(name, name=names[name.end], end=None) if name.name == TIME and name.end else name
 
     def expression(path: Path, old: Expression) -> Expression:
         if not _over_time(path) or not any(_stands_in(old, end) for end in ends):
@@ -54,6 +48,15 @@ def times_as_parameters(spec: Spec, suffix: str) -> Spec:
 
     added = {name: TimeParameter.model_construct(end=end, unit=spec.time.unit) for end, name in names.items()}
     return changed(spec, expression).model_copy(update={"optimize": {**spec.optimize, **added}})
+
+
+def _free_name(spec: Spec, name: str) -> str:
+    """The name, made longer until nothing in the file has it."""
+    sections = (spec.parameters, spec.expressions, spec.states, spec.controls, spec.algebraic, spec.optimize)
+    velocities = {entry.velocity.name for entry in spec.states.values() if entry.velocity}
+    while name in velocities or any(name in section for section in sections):
+        name += "_"
+    return name
 
 
 def beyond_parameter(parameter: str, end: str) -> Expression:

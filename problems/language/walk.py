@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Name, Node, below, rebuilt
+from ..expressions.tree import Name, Node, below, rebuilt
 from ..schema.fields import Entry
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -77,11 +76,3 @@ def mapped(node: Node, new: Callable[[Name], Node]) -> Node:
     if isinstance(node, Name):
         return new(node)
     return rebuilt(node, [mapped(part, new) for part in below(node)])
-
-
-def placed(node: Node, start: int, stop: int) -> Node:
-    """The same tree, all of it at one place of a text."""
-    new = rebuilt(node, [placed(part, start, stop) for part in below(node)])
-    if isinstance(new, Chain):
-        new = replace(new, links=tuple(replace(link, start=start, stop=stop) for link in new.links))
-    return replace(new, start=start, stop=stop)

@@ -84,8 +84,8 @@ def test_optima_by_every_method(text, optimum, method, error):
 
 def test_the_parameter_is_the_time(tmp_path):
     solution = solved(COST)
-    assert solution["final time"] == pytest.approx(solution.time[-1], rel=1e-12)
-    assert solution["final time"] == pytest.approx(COST_OPTIMUM / 2, rel=1e-6)
+    assert solution["final_time"] == pytest.approx(solution.time[-1], rel=1e-12)
+    assert solution["final_time"] == pytest.approx(COST_OPTIMUM / 2, rel=1e-6)
     assert solution.costate["x"](0.3) == pytest.approx(-COST_OPTIMUM, rel=1e-6)  # dH/du = 2 weight u + lambda = 0
     solution.save(tmp_path / "cost.h5")
     assert all(check.passed for check in verify(tmp_path / "cost.h5"))
@@ -108,7 +108,7 @@ FINITE = {"mesh": [{"method": "finite-difference", "segments": 20}]}
 def test_phases(tmp_path):
     solution = solved(PHASES)
     assert solution.objective == pytest.approx(2 * sqrt(3 / 7), rel=1e-8)
-    assert all(f"{end} time of {phase}" in solution.phases[phase] for end, phase in NAMES)
+    assert all(f"{end}_time_of_{phase}" in solution.phases[phase] for end, phase in NAMES)
     solution.save(tmp_path / "phases.h5")
     assert all(check.passed for check in verify(tmp_path / "phases.h5"))
     again = trajopt.solve(trajopt.load(PHASES), guess=tmp_path / "phases.h5")
@@ -118,11 +118,18 @@ def test_phases(tmp_path):
 NAMES = [("final", "a"), ("initial", "b"), ("final", "b")]
 
 
-def test_a_time_that_is_given_is_a_number():
+def test_a_time_that_is_given():
+    """J = T + 1/(T ln 2) at T = 1.5."""
     text = COST.replace("{lower: 0.1, upper: 20, guess: 3}", "T").replace("controls", "parameters: {T: 1.5}\ncontrols")
-    problem = build(load_text(text, "x.yaml"))
-    assert not problem.parameters and not problem.phases[0].boundary
-    assert problem.phases[0].lagrange({"t": 0.5, "u": 2.0}, np) == pytest.approx(1 + 4 * (1 + 0.5 / 1.5))
+    assert solved(text).objective == pytest.approx(1.5 + 1 / (1.5 * log(2)), rel=1e-9)
+
+
+def test_names_that_the_file_has_are_left_alone():
+    text = COST.replace("controls", "parameters: {final_time: 2}\ncontrols").replace(
+        "1 + weight", "final_time + weight"
+    )
+    assert [own.name for own in build(load_text(text, "x.yaml")).parameters] == ["final_time_"]
+    assert solved(text).objective == pytest.approx(2 * sqrt(2 / log(2)), rel=1e-7)
 
 
 def test_path_constraint():

@@ -113,8 +113,7 @@ def name(symbol: str, *subscripts: str) -> Formula:
 
 def _word(word: str) -> str:
     """A letter and a number stand as they are, other words upright, with their underscores."""
-    text = word.replace("_", r"\_").replace(" ", r"\ ")
-    return word if re.fullmatch(r"[A-Za-z]?\d*", word) else r"\mathrm{" + text + "}"
+    return word if re.fullmatch(r"[A-Za-z]?\d*", word) else r"\mathrm{" + word.replace("_", r"\_") + "}"
 
 
 def number(x: float) -> Formula:
