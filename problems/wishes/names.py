@@ -12,6 +12,7 @@ _WORDS = {
     "write t[final] for the final time": "tf t_f T_f tF t_F t_final tfinal t_end tend T_final final_time",
     "write t[initial] for the initial time": "t0 t_0 ti t_i t_initial t_start initial_time",
     "write t for the time": "time",
+    "write t[duration], which is t[final] - t[initial]": "duration",
     "write radians: multiply by pi/180": "deg degs degree degrees",
     "write exp(...) for a power of e": "e",
 }
