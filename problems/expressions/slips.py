@@ -254,7 +254,7 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
         return
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
-        if end := end_meant(inside):
+        if before.text != "t" and (end := end_meant(inside)):
             _fail(text, before, last, "an end of time is called initial or final", f"write {end.format(before.text)}")
         if lack := at_another_time(before.text, inside):
             _fail(text, before, last, *lack)
