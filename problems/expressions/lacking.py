@@ -128,7 +128,7 @@ def at_another_time(name: str, argument: str) -> Lack | None:
     argument = argument.strip()
     if name in FUNCTIONS:
         return None
-    if end := end_meant(argument):
+    if name != "t" and (end := end_meant(argument)):
         what = f"{name} is not a function, and has a value at the ends of time only where it says which"
         return Lack(what, f"write {end.format(name)}")
     meant = did_you_mean(name, FUNCTIONS)
