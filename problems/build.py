@@ -56,6 +56,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         parameters=(*map(first.static, shared.optimize), *made),
         links=links,
         mayer=mayer,
+        numbers=dict(first.symbols.numbers),
     )
 
 

@@ -44,7 +44,8 @@ def curves(where: str, *kinds: str) -> list[str]:
 
 
 LAYOUT = [
-    "spec", "spec/text", "spec/full", "phase", "phase/main", "phase/main/knots",
+    "spec", "spec/text", "spec/full", "spec/parameter", *(f"spec/parameter/{name}" for name in ("g", "h", "s")),
+    "phase", "phase/main", "phase/main/knot", "phase/main/knots",
     *curves("phase/main/points", "state", "control", "algebraic", "output", "path", "costate"),
     "phase/main/points/time",
     *curves("phase/main/dense", "state", "control", "algebraic", "output", "path", "costate", "epsilon"),
@@ -54,6 +55,7 @@ LAYOUT = [
     "phase/main/parameter", "phase/main/parameter/angle",
     "mesh", "mesh/0", "mesh/0/edges",
     "solver", "solver/z", "solver/z_lower", "solver/z_upper", "solver/y", "solver/unknown", "solver/constraint",
+    "sensitivity", *(f"sensitivity/{name}" for name in ("number", "value", "derivative", "unit", "note")),
     "solver/iterations", "solver/iterations/number", *(f"solver/iterations/{column}" for column in COLUMNS),
 ]  # fmt: skip
 
@@ -80,7 +82,7 @@ def drawn(text: str) -> list[str]:
 
 def test_the_docstring_names_every_group():
     groups = {name.rsplit("/", 1)[-1] for name in LAYOUT if not name.endswith(("angle", "/x", "/y", "/vx", "/vy"))}
-    columns = {*COLUMNS, "unknown", "constraint", "main", "0"}  # named by what they stand for
+    columns = {*COLUMNS, "unknown", "constraint", "main", "0", "g", "h", "s"}  # named by what they stand for
     for name in groups - columns:
         assert re.search(rf"\b{name}\b", store.__doc__), name
 
@@ -106,7 +108,7 @@ def test_every_attribute_of_the_docstring_is_there(tmp_path, engine):
     write(tmp_path / "a.h5", solution, spec.text, spec.model_dump_json(), "")
     with h5py.File(tmp_path / "a.h5") as file:
         assert file["solver"].attrs["engine"] == engine
-        assert documented_attributes().keys() == {"/", "/spec/", "/mesh/<k>/", "/solver/"}
+        assert documented_attributes().keys() == {"/", "/spec/", "/mesh/<k>/", "/solver/", "/sensitivity/"}
         for group, names in documented_attributes().items():
             assert not set(names) - set(file[group.replace("<k>", "0")].attrs), group
 
@@ -115,7 +117,7 @@ def test_lists_of_texts_are_texts_also_when_empty(tmp_path):
     empty, full = save(tmp_path / "a.h5"), tmp_path / "b.h5"
     spec, solution = solved("shot_put")
     told = replace(solution, violations=("x",), unmet=("segment 1",))
-    write(full, told, spec.text, spec.model_dump_json(), "", ["time.final"])
+    write(full, told, spec.text, spec.model_dump_json(), "", {"time.final": 2.5})
     for path, count in ((empty, 0), (full, 1)):
         with h5py.File(path) as file:
             for group, name in (("solver", "violations"), ("solver", "unmet"), ("spec", "overrides")):

@@ -15,7 +15,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from ..errors import Mistake
 from ..models import MODELS
 from ..text import brief, did_you_mean, shorten, tidy
-from ..yaml.document import in_words
+from ..yaml.document import Path, in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
@@ -190,12 +190,12 @@ class Spec(Entry):
         return list(self._locations.mistakes(findings))
 
     @property
-    def overrides(self) -> tuple[str, ...]:
-        """The paths of the overrides that make another problem, or another mesh, of the file."""
-        shown = dict.fromkeys(self._locations.overrides.values())
-        return tuple(
-            path for path in shown if path.split(".")[0] not in ("solver", "reference", "name", "note", "tags")
-        )
+    def overrides(self) -> dict[str, Any]:
+        """The overrides that make another problem, or another mesh, of the file: path -> value, None for nothing."""
+        places = {shown: place for place, shown in self._locations.overrides.items()}  # the innermost comes last
+        kept = {shown: place for shown, place in places.items() if place[0] not in NO_OTHER_PROBLEM}
+        data = self.model_dump(mode="json") if kept else {}
+        return {shown: _at(data, place) for shown, place in kept.items()}
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
@@ -225,6 +225,18 @@ class Spec(Entry):
         """
         self._text, self._locations, self._warnings = text, locations, locations.mistakes(warnings)
         return self
+
+
+NO_OTHER_PROBLEM = ("solver", "reference", "name", "note", "tags")
+"""Sections whose values change neither the problem nor its mesh."""
+
+
+def _at(data: Any, place: Path) -> Any:
+    """The value at a path of plain data; in its short form where it has a long one."""
+    for step in place:
+        found = (isinstance(data, dict) and step in data) or (isinstance(data, list) and step in range(len(data)))
+        data = data[step] if found else None
+    return data.get("value", data) if isinstance(data, dict) else data
 
 
 class _Definitions(GenerateJsonSchema):

@@ -16,6 +16,9 @@ from ...problems.text import printable
 NO_BAR_YET = "an older version wrote this result"
 """Why there is no error bar of the objective, in a result that does not tell."""
 
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
+"""The name of a dimension scale that netCDF does not take for one: of the netCDF-4 format specification."""
+
 ONE_CHUNK = 2**26  # bytes
 
 LIBVER = ("v110", "v110")
@@ -62,6 +65,19 @@ def scale_of(group: h5py.Group, name: str, values: ArrayLike, long_name: str, un
     dataset = array_of(group, name, values, [], long_name, unit=unit)
     dataset.make_scale(name)
     return dataset
+
+
+def dimension_of(group: h5py.Group, name: str, size: int) -> h5py.Dataset:
+    """A dimension without values, in netCDF's way: groups below inherit it as no coordinate.
+
+    group: where it is made.
+    name: of the dimension.
+    size: of it.
+    """
+    dimension = group.create_dataset(name, data=np.zeros(size, ">f4"))
+    dimension.make_scale(f"{NO_VARIABLE}{size:10d}")
+    dimension.attrs["long_name"] = f"the dimension {name}, without values"
+    return dimension
 
 
 def array_of(

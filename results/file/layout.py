@@ -242,7 +242,10 @@ SOLVER = Group(
 
 RESULT = Group(
     {
-        "spec": Group({"text": Array(TEXT), "full": Array(TEXT)}, {"overrides": Attribute(TEXTS)}),
+        "spec": Group(
+            {"text": Array(TEXT), "full": Array(TEXT), "parameter": Each(Array(NUMBER), names="givens", optional=True)},
+            {"overrides": Attribute(TEXTS), "override_values": Attribute(TEXTS, optional=True)},
+        ),
         "phase": Each(PHASE, names="phases", least=1, own=True),
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,8 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
     return {
         "file": str(path),
         **head,
+        "parameters": {name: value[()] for name, value in file["spec"].get("parameter", {}).items()},
+        "overrides": _overrides(file["spec"].attrs),
         "reference": _reference(file),
         "violations": list(solver["violations"]),
         "unmet": list(solver["unmet"]),
@@ -67,6 +70,20 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
     }
+
+
+def _overrides(told: Mapping[str, Any]) -> dict[str, Any]:
+    """Path that the command line changed -> its value; None in results of older versions, which have no values."""
+    paths, values = list(told["overrides"]), list(told.get("override_values", ()))
+    return dict(zip(paths, map(_value, values) if values else [None] * len(paths), strict=False))
+
+
+def _value(text: str) -> Any:
+    """A value of JSON; foreign text that is none stays what it is."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return text
 
 
 def _attributes(mesh: h5py.Group) -> dict[str, Any]:

@@ -5,7 +5,9 @@
                                objective_error_missing (why there is none), sense, created, command,
                                trajopt_version, pyomo_version, ipopt_version
     /spec/                     text: the problem file as given; full: the same with every default, as JSON;
-                               attribute: overrides (the paths that the command line changed)
+                               parameter/<name>: the numbers of the parameters that are given;
+                               attributes: overrides (the paths that the command line changed), override_values
+                               (JSON)
     /phase/<name>/             knots (knot), the times of the segments' edges
         points/                time, at the points of the mesh, and over it
             state/<name>, costate/<name>, control/<name>, algebraic/<name>,
@@ -42,12 +44,14 @@ to disk, and renamed: there is never half a result under the final name, and an 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -105,7 +109,7 @@ def write(
     spec_text: str,
     spec_full: str,
     command: str,
-    overrides: Sequence[str] = (),
+    overrides: Mapping[str, Any] = MappingProxyType({}),
 ) -> None:
     """Write a solution, solved or not; see the module's docstring for the layout.
 
@@ -123,20 +127,30 @@ def write_image(path: Path, image: bytes) -> None:
         temporary.write_bytes(image)
 
 
-def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, overrides: Sequence[str] = ()) -> bytes:
+def image_of(
+    solution: Solution,
+    spec_text: str,
+    spec_full: str,
+    command: str,
+    overrides: Mapping[str, Any] = MappingProxyType({}),
+) -> bytes:
     """The content of the result file of a solution.
 
     solution: solved or not.
     spec_text: the problem file as it was given.
     spec_full: the same with every default, as JSON.
     command: what the user typed.
-    overrides: the paths that the command line changed, so that the file's reference is none of this result.
+    overrides: path that the command line changed -> its value; the file's reference is then none of this result.
     """
     with file_in_memory() as file:
         _write_head(file, solution, command)
         spec = group_of(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
         spec.attrs["overrides"] = texts(overrides)
+        spec.attrs["override_values"] = texts(map(json.dumps, overrides.values()))
+        numbers = group_of(spec, "parameter")
+        for name, number in solution.problem.numbers.items():
+            array_of(numbers, name, float(number), [], f"parameter {name}")
         phases = group_of(file, "phase")
         for number, (trajectory, error) in enumerate(zip(solution.trajectories, solution.errors, strict=True)):
             group = group_of(phases, trajectory.phase.name)

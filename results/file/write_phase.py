@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
-from .arrays import array_of, group_of, scale_of
+from .arrays import array_of, dimension_of, group_of, scale_of
 
 if TYPE_CHECKING:
     from ...problems.problem import Phase, Problem, Variable
@@ -24,7 +24,8 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
     error: of the trajectory.
     """
     phase, sample, p = trajectory.phase, trajectory.dense, trajectory.parameters
-    scale_of(group, "knots", trajectory.knots, "time of the segments' edges", phase.time_unit)
+    knot = dimension_of(group, "knot", len(trajectory.knots))
+    array_of(group, "knots", trajectory.knots, [knot], "time of the segments' edges", unit=phase.time_unit)
     points, dense, errors = (group_of(group, name) for name in ("points", "dense", "error"))
     costate = None if trajectory.costate is None else trajectory.point_costate
     _write_curves(points, phase, t=trajectory.times, x=trajectory.x, u=trajectory.u, costate=costate, parameters=p)
@@ -92,16 +93,29 @@ def _write_curves(
 
 
 def _write_functions(group: h5py.Group, phase: Phase, values: Mapping[str, np.ndarray], time: h5py.Dataset) -> None:
-    """Outputs, and path constraints over time; not those that are equations, or bounds of one name that is there."""
-    outputs, path = group_of(group, "output"), group_of(group, "path")
+    groups = {kind: group_of(group, kind) for kind in ("output", "path")}
+    for kind, name, curve, unit in functions_over(phase, values, time.shape):
+        title = f"output {name}" if kind == "output" else f"path constraint {name}"
+        array_of(groups[kind], name, curve, [time], title, unit=unit)
+
+
+def functions_over(
+    phase: Phase, values: Mapping[str, np.ndarray], shape: tuple[int, ...]
+) -> Iterator[tuple[str, str, np.ndarray, str]]:
+    """Outputs, and path constraints over time; not those that are equations, or bounds of one name that is there.
+
+    phase: says which.
+    values: of its arguments, each (K,).
+    shape: (K,).
+
+    Yields "output" or "path", the name, the values (K,) and the unit.
+    """
     with np.errstate(all="ignore"):
         for name, output in phase.outputs.items():
-            curve = np.broadcast_to(output.function(values, np), time.shape)
-            array_of(outputs, name, curve, [time], f"output {name}", unit=output.unit)
+            yield "output", name, np.broadcast_to(output.function(values, np), shape), output.unit
         for constraint in phase.path:
             if not constraint.bounds.fixed and getattr(constraint.function, "text", "") not in values:
-                curve = np.broadcast_to(constraint.function(values, np), time.shape)
-                array_of(path, constraint.name, curve, [time], f"path constraint {constraint.name}")
+                yield "path", constraint.name, np.broadcast_to(constraint.function(values, np), shape), ""
 
 
 def _write_kind(
