@@ -14,7 +14,20 @@ from .file.read import PhaseCurves
 from .file.read import read as read_result
 from .file.summary import summarize
 
-NO_PART = {"trajopt", "name", "source", "note", "tags", "reference", "mesh", "refine", "solver", "scaling", "guess"}
+NO_PART = {
+    "trajopt",
+    "name",
+    "source",
+    "note",
+    "tags",
+    "reference",
+    "mesh",
+    "refine",
+    "solver",
+    "scaling",
+    "guess",
+    "drawing",
+}
 """Keys of a problem file that do not change what the problem is."""
 STENCIL = 6  # dense points
 NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time

@@ -10,20 +10,22 @@ from command_line import solved_once, trajopt
 from matplotlib.figure import Figure
 from PIL import Image
 
-from trajopt.problems.models.drawings import DRAWINGS, Circle, Polyline, Rectangle, drawing_of
+from trajopt.problems.drawings.drawing import drawings_of
+from trajopt.problems.drawings.shapes import Circle, Polyline, Rectangle
 from trajopt.results.file.read import read
 from trajopt.results.pictures.animate import scene, stop_action
 from trajopt.results.pictures.style import PARTS
+from trajopt.transcription.loading import load_file
 
 pytestmark = pytest.mark.usefixtures("folder")
 
-DRAWN = {  # a shipped problem -> its drawing, and the overrides that make it small
-    "cartpole": ("cart_pole", "mesh.-1.segments=10"),
-    "pendulum": ("pendulum", "mesh.-1.segments=20"),
-    "block_move_min_force": ("block", "mesh.-1.segments=4"),
-    "brachistochrone": ("brachistochrone", "mesh.-1.segments=6"),
-    "shot_put": ("shot_put", "mesh.-1.segments=2"),
-    "biped": ("five_link_biped", "mesh.-1.segments=5"),
+DRAWN = {  # a shipped problem that draws itself -> the override that makes it small
+    "cartpole": "mesh.-1.segments=10",
+    "pendulum": "mesh.-1.segments=20",
+    "block_move_min_force": "mesh.-1.segments=4",
+    "brachistochrone": "mesh.-1.segments=6",
+    "shot_put": "mesh.-1.segments=2",
+    "biped": "mesh.-1.segments=5",
 }
 
 
@@ -33,37 +35,38 @@ def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
 
     def solve(name: str):
-        small = ["--set", DRAWN[name][1]] if name in DRAWN else []
+        small = ["--set", DRAWN[name]] if name in DRAWN else []
         return solved_once(folder / f"{name}.h5", name, *small)
 
     return solve
 
 
-def shapes_of(drawing, role, values, parameters):
-    return [shape for shape in DRAWINGS[drawing](values, parameters) if shape.role == role]
+def shapes_of(name, role, values):
+    (drawing,) = drawings_of(load_file(name)).values()
+    return [shape for shape in drawing(values) if shape.role == role]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, pi])
 def test_cart_pole_hangs_at_zero_and_turns_counter_clockwise(angle):
-    values, parameters = {"q1": 0.3, "q2": angle, "v1": 0.0, "v2": 0.0}, {"l": 0.5}
-    (cart,) = shapes_of("cart_pole", "cart", values, parameters)
-    (tip,) = shapes_of("cart_pole", "tip", values, parameters)
-    (pole,) = shapes_of("cart_pole", "pole", values, parameters)
+    values = {"q1": 0.3, "q2": angle, "v1": 0.0, "v2": 0.0, "u": 1.0, "t": 0.0}
+    (cart,) = shapes_of("cartpole", "cart", values)
+    (tip,) = shapes_of("cartpole", "tip", values)
+    (pole,) = shapes_of("cartpole", "pole", values)
     assert (cart.centre, cart.width, cart.height) == ((0.3, 0.0), 0.15, 0.05)
     assert tip.centre == pytest.approx((0.3 + 0.5 * sin(angle), -0.5 * cos(angle)))
-    assert pole.points == [cart.centre, tip.centre]
+    assert pole.points[0] == cart.centre and pole.points[1] == pytest.approx(tip.centre)
 
 
 def test_biped_puts_its_swing_foot_down_one_step_ahead():
     """The final state of Table 4's walker, computed independently: P5 = (0.5, 0) m, and the knees do not come apart."""
     q = (-0.36192, -0.35099, -0.22793, 0.50165, 0.07129)
-    parameters = {name: 1.0 for name in ("g", *(f"{k}{i}" for k in "mId" for i in range(1, 6)))}
-    parameters |= {"l1": 0.4, "l2": 0.4, "l3": 0.625, "l4": 0.4, "l5": 0.4}
-    values = {f"q{i}": angle for i, angle in enumerate(q, start=1)}
-    (foot,) = shapes_of("five_link_biped", "swing foot", values, parameters)
-    (stance,) = shapes_of("five_link_biped", "stance leg", values, parameters)
-    (swing,) = shapes_of("five_link_biped", "swing leg", values, parameters)
-    (torso,) = shapes_of("five_link_biped", "torso", values, parameters)
+    values = {name: 1.0 for name in ("g", *(f"{k}{i}" for k in "mId" for i in range(1, 6)))}
+    values |= {"l1": 0.4, "l2": 0.4, "l3": 0.625, "l4": 0.4, "l5": 0.4}
+    values |= {f"q{i}": angle for i, angle in enumerate(q, start=1)}
+    (foot,) = shapes_of("biped", "swing foot", values)
+    (stance,) = shapes_of("biped", "stance leg", values)
+    (swing,) = shapes_of("biped", "swing leg", values)
+    (torso,) = shapes_of("biped", "torso", values)
     assert foot.centre == pytest.approx((0.5, 0.0), abs=1e-4)
     assert stance.points[0] == pytest.approx((0, 0))
     assert stance.points[-1] == swing.points[0] == torso.points[0]
@@ -73,7 +76,6 @@ def test_biped_puts_its_swing_foot_down_one_step_ahead():
 @pytest.mark.parametrize("name", DRAWN)
 def test_shipped_problem_knows_its_drawing(solved, name):
     result = read(solved(name))
-    assert drawing_of(result.spec, result.states) is DRAWINGS[DRAWN[name][0]]
     stage = scene(result)
     roles = {shape.role for pose in stage.at(stage.times[:2]) for shape in pose.shapes}
     assert roles <= PARTS.keys()
@@ -81,14 +83,10 @@ def test_shipped_problem_knows_its_drawing(solved, name):
     assert (stage.start, stage.end) == (result.phases[0].knots[0], result.phases[0].knots[-1])
 
 
-def test_a_model_brings_its_drawing():
-    assert drawing_of({"model": "five_link_biped"}, ["other"]) is DRAWINGS["five_link_biped"]
-
-
 def test_problem_without_drawing_is_told_so(solved, folder):
     result = trajopt("animate", solved("van_der_pol"))
     assert result.exit_code == 2
-    assert "no drawing" in result.stderr and "cart_pole" in result.stderr
+    assert "no drawing" in result.stderr and "drawing: [{circle: [x1, x2]" in result.stderr
     assert not list(folder.iterdir())
 
 

@@ -24,9 +24,10 @@ def solved(tmp_path_factory):
 def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):
     result = read(solved("cartpole"))
     figure = error_plots.error_figure(result, ("q1", "v2"))
-    assert titles(figure) == ["ε of q1 [m/s]", "η of q1 [m]", "ε of v2 [rad/s²]", "η of v2 [rad/s]"]
+    assert titles(figure) == ["|ε| of q1 [m/s]", "η of q1 [m]", "|ε| of v2 [rad/s²]", "η of v2 [rad/s]"]
     left, right = figure.axes[:2]
-    assert left.get_lines()[0].get_ydata() == pytest.approx(result.phases[0].epsilon["q1"].dense)
+    assert left.get_lines()[0].get_ydata() == pytest.approx(np.abs(result.phases[0].epsilon["q1"].dense))
+    assert left.get_yscale() == right.get_yscale() == "log"
     (bars,) = right.patches
     eta = result.phases[0].eta["q1"]
     assert bars.get_data().values == pytest.approx(eta)

@@ -41,6 +41,13 @@ FULL = {
         "seed": 1,
         "max_iter": 100,
     },
+    "drawing": [
+        {"line": [["0", "0"], ["x", "1"]], "color": "green", "name": "rod"},
+        {"point": ["x", "0"], "trail": True},
+        {"circle": ["x", "0"], "radius": 0.1, "trail": "whole"},
+        {"box": ["x", "0"], "width": 0.1, "height": 0.2, "angle": "x", "obstacle": True},
+        {"ground": 0},
+    ],
     "continuation": {"parameters.m": [3, 2.5]},
     "reference": {"objective": 6.0, "tolerance": 1e-6, "source": "a book"},
     "sweep": {"over": {"parameters.c": "1:2:3"}, "zip": False, "sample": 4, "seed": 1, "chain": False},

@@ -25,6 +25,7 @@ Errors = Annotated[
     bool, typer.Option("--error", help="Draw epsilon over time, eta of each segment and its part of the error bar.")
 ]
 Meshes = Annotated[bool, typer.Option("--mesh", help="Draw the history of the meshes.")]
+Plane = Annotated[str, typer.Option("--xy", metavar="NAME,NAME", help="Draw the second against the first.")]
 NoBounds = Annotated[bool, typer.Option("--no-bounds", help="Leave the bounds out.")]
 
 
@@ -37,19 +38,24 @@ def plot(
     mesh: Meshes = False,
     no_bounds: NoBounds = False,
     only: Only = "",
+    xy: Plane = "",
     force: Force = False,
 ) -> None:
     """Draw states, controls and costates over time.
 
-    With --error and --mesh what these say is drawn instead.
+    With --error, --mesh and --xy what these say is drawn instead. Several results stand in one picture, overlay.png, or
+    with -o FOLDER in one each.
 
     Example: trajopt plot cartpole.h5 --error -o error.pdf
 
     Without -o the pictures are <name of the result>.png, <name>-error.png and <name>-mesh.png in the current folder. A
-    file ending with .pdf holds several pictures, one on a page. A picture that trajopt has drawn is replaced, any other
-    file only with --force.
+    file ending with .pdf holds several pictures, one on a page; .svg is for editing and for the web. A picture that
+    trajopt has drawn is replaced, any other file only with --force.
     """
     kinds = [kind for kind, wanted in (("error", error), ("mesh", mesh)) if wanted] or ["trajectory"]
+    if xy or (len(results) > 1 and kinds == ["trajectory"] and not (output and Path(output).is_dir())):
+        _draw_together(results, output, xy, only, kinds, no_bounds, force)
+        return
     targets = targets_of(results, output, [_ending(kind) for kind in kinds])
 
     from ...results.file.read import read
@@ -57,7 +63,7 @@ def plot(
 
     for path in (path for paths in targets for path in paths):
         check_picture(path, PICTURES, force)
-    names = tuple(filter(None, (name.strip() for name in only.split(","))))
+    names = _split(only)
     if names and kinds == ["mesh"]:
         raise SpecError(Mistake("--only", "the history of the meshes shows no states", "leave --only out"))
     for result, paths in zip(map(read, results), targets, strict=True):
@@ -66,6 +72,42 @@ def plot(
         for path, group in zip(paths, groups, strict=True):
             save(group, path, result.problem)
             print(path)
+
+
+def _split(names: str) -> tuple[str, ...]:
+    return tuple(filter(None, (name.strip() for name in names.split(","))))
+
+
+def _draw_together(
+    results: Sequence[Path],
+    output: str | None,
+    xy: str,
+    only: str,
+    kinds: Sequence[str],
+    no_bounds: bool,
+    force: bool,
+) -> None:
+    """One picture of all results: over time, or one quantity against another."""
+    pair = _split(xy)
+    if xy and (len(pair) != 2 or only or kinds != ["trajectory"]):
+        what = "two names are drawn against each other, and nothing else" if len(pair) == 2 else "it takes two names"
+        raise SpecError(Mistake(f"--xy {xy}", what, "write --xy x,y without --only, --error and --mesh"))
+    default = "overlay.png" if len(results) > 1 else f"{results[0].stem}-xy.png"
+    folder = output is not None and Path(output).is_dir()
+    path = Path(output or "", default) if folder or output is None else Path(output)
+
+    from ...results.file.read import read
+    from ...results.pictures.overlay import overlay_figure, plane_figure
+    from ...results.pictures.style import check_picture, save
+
+    check_picture(path, PICTURES, force)
+    found = list(map(read, results))
+    if xy:
+        figure = plane_figure(found, *pair)
+    else:
+        figure = overlay_figure(found, {} if no_bounds else _bounds(found[0]), _split(only))
+    save([figure], path, found[0].problem)
+    print(path)
 
 
 def draw_trajectory(path: Path, force: bool) -> Path:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ...problems.errors import FileError, Mistake, SpecError
 
-PICTURES = (".png", ".pdf")
+PICTURES = (".png", ".pdf", ".svg")
 
 
 def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[str]) -> list[list[Path]]:

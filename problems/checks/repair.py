@@ -22,7 +22,13 @@ _ROUNDS = 5  # removing one thing may show that another is missing
 _SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
 _FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
 
-_WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
+_WHOLE = {
+    "mesh": [{"method": "any", "segments": 1}],
+    "nonsmooth": "slack",
+    "links": [],
+    "waypoints": None,
+    "drawing": [],
+}
 _OBJECTIVE = {"minimize": {"integral": UNKNOWN}}
 
 

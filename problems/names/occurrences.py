@@ -49,6 +49,8 @@ def uses(spec: Spec) -> Iterator[Use]:
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
+    for path, expression in _drawn(spec.drawing, ("drawing",)):
+        yield Use(path, expression, TRAJECTORY)
     for path, constraint in constraints(spec):
         yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
         for key in ("lower", "upper", "equals"):
@@ -92,6 +94,15 @@ def _constants(value: object, path: Path) -> Iterator[Use]:
         for key, item in value:
             if key not in (*_DYNAMICS, *_OVER_TIME):
                 yield from _constants(item, (*path, key))
+
+
+def _drawn(value: object, path: Path) -> Iterator[tuple[Path, Expression]]:
+    """The expressions of a drawing."""
+    if isinstance(value, Expression):
+        yield path, value
+    items = value if isinstance(value, Entry) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        yield from _drawn(item, (*path, key))
 
 
 def constraint_names(spec: Spec) -> list[str]:

@@ -13,9 +13,10 @@ from typing import Any, TypeVar
 
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
-from ..expressions.tree import Chain, Link, Number
+from ..expressions.tree import Chain, Link, Number, leaves
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
+from ..schema.drawing import ShapeEntry
 from ..schema.fields import Entry
 from ..schema.phases import PhaseEntry
 from ..schema.sections import Constraints, GuessEntry, Objective, Terms
@@ -25,6 +26,7 @@ from ..yaml.document import Path
 from .order import ALONE, forward, own_entries
 
 _DYNAMICS = frozenset({"rate", "accel"})  # a state has one of them
+_VARIABLES = ("states", "controls", "algebraic")
 _NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
 
 
@@ -134,7 +136,7 @@ def _merged(
     named["states"] = {
         name: _with_ends(state, own.states.get(name), *ends(name)) for name, state in named["states"].items()
     }
-    for group in ("states", "controls", "algebraic"):
+    for group in _VARIABLES:
         named[group] = {name: entry for name, entry in named[group].items() if name not in own.without}
     constraints = Constraints.model_construct(
         path=[*spec.constraints.path, *own.constraints.path],
@@ -150,6 +152,7 @@ def _merged(
             "residuals": spec.residuals if own.residuals is None else own.residuals,
             "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
+            "drawing": _drawn(spec, named),
             "phases": {},
             "links": [],
             "waypoints": [],
@@ -159,6 +162,22 @@ def _merged(
 
 AnEntry = TypeVar("AnEntry", bound=Entry)
 AnEnded = TypeVar("AnEnded", StateEntry, Velocity)
+
+
+def _drawn(spec: Spec, named: Mapping[str, Mapping[str, Any]]) -> list[ShapeEntry]:
+    """The drawing of the file; what is made of variables that only other phases have, is nowhere in this one."""
+    own = {name for group in _VARIABLES for name in named[group]}
+    every = {name for part in (spec, *spec.phases.values()) for group in _VARIABLES for name in getattr(part, group)}
+    lacking = every - own
+    return [ShapeEntry.model_construct() if lacking & _names_in(shape) else shape for shape in spec.drawing]
+
+
+def _names_in(value: Any) -> set[str]:
+    """The names in all expressions of a shape."""
+    if isinstance(value, Expression):
+        return {leaf.name for leaf in leaves(value.root)}
+    parts = [item for _, item in value] if isinstance(value, Entry) else value if isinstance(value, list) else []
+    return set().union(*map(_names_in, parts))
 
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:

@@ -51,6 +51,11 @@ EXAMPLES = {
     "refine": "{tolerance: 1e-8}",
     "mesh": "[{method: trapezoid, segments: 20}]",
     "solver": "{max_iter: 500}",
+    "drawing": "[{line: [[0, 0], [x, y]]}, {circle: [x, y], radius: 0.1, trail: true}]",
+    "line": "[[0, 0], [x, y]]",
+    "point": "[x, y]",
+    "circle": "[x, y]",
+    "box": "[x, y]",
     "reference": "{objective: 6.0, tolerance: 1e-4}",
 }
 

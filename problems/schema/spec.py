@@ -18,6 +18,7 @@ from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import Path, in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
+from .drawing import MAX_SHAPES, ShapeEntry
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
@@ -134,6 +135,11 @@ class Spec(Entry):
         {},
         max_length=MAX_AXES,
         description="path of a number -> the values to go through on the way to the one in the file",
+    )
+    drawing: list[ShapeEntry] = Field(
+        [],
+        max_length=MAX_SHAPES,
+        description="what it looks like: lines, points, circles, boxes and the ground, for trajopt animate and plots",
     )
     reference: Reference | None = Field(None, description="known objective to compare with")
     sweep: Sweep | None = Field(None, description="what `trajopt sweep` varies: {over, zip, sample, seed, chain}")

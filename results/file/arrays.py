@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...problems.text import printable
+from ...transcription.solution.solution import inaccurate
 
 NO_BAR_YET = "an older version wrote this result"
 """Why there is no error bar of the objective, in a result that does not tell."""
@@ -113,6 +114,14 @@ def _chunks(array: np.ndarray) -> tuple[int, ...] | bool:
 def bar_of(attributes: Mapping[str, Any]) -> dict[str, float]:
     """The attributes objective_error and objective_corrected of a result or of a mesh; NaN where there is no bar."""
     return {key: float(attributes.get(key, np.nan)) for key in ("objective_error", "objective_corrected")}
+
+
+def accuracy_of(file: h5py.File) -> str:
+    """Why the solution in a result file is not as accurate as was asked; "" where nothing is wrong."""
+    if not file.attrs["solved"]:
+        return ""
+    solver, last = file["solver"].attrs, file["mesh"][str(len(file["mesh"]) - 1)].attrs
+    return inaccurate(int(solver["unmet_count"]), solver["stopped"], last["relative_error"])
 
 
 def meshes_of(group: h5py.Group) -> list[h5py.Group]:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from ...problems.problem import Phase, Problem, Range
 from ...problems.text import printable, short_repr
-from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
+from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
+
+if TYPE_CHECKING:  # it needs pydantic
+    from ...problems.schema.spec import Spec
 
 CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
@@ -97,6 +100,7 @@ class Result:
     """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data.
 
     objective_error: the error bar of the objective, NaN where there is none; `objective_error_missing` then says why.
+    inaccurate: why a solved result is not as accurate as was asked; "" where nothing is wrong.
     """
 
     path: Path
@@ -108,6 +112,7 @@ class Result:
     objective_error_missing: str
     phases: tuple[PhaseCurves, ...]
     meshes: tuple[StoredMesh, ...]
+    inaccurate: str
     spec: Mapping[str, Any] = field(repr=False)
 
     def names(self, kind: str) -> list[str]:
@@ -118,6 +123,18 @@ class Result:
     def states(self) -> list[str]:
         return self.names("state")
 
+    @property
+    def verdict(self) -> str:
+        """ "solved", "solved, tolerance missed" or "not solved"."""
+        return "not solved" if not self.solved else "solved, tolerance missed" if self.inaccurate else "solved"
+
+    @property
+    def stored_spec(self) -> Spec:
+        """The problem file, checked anew. Raises FileError if this version of trajopt cannot read it."""
+        from ...problems.load import load_stored
+
+        return load_stored(self.spec, str(self.path))
+
     def build(self) -> tuple[Problem, dict[str, float]]:
         """The problem that was solved, and the numbers of its parameters, fixed and optimised.
 
@@ -125,10 +142,9 @@ class Result:
         """
         from ...problems.build import build
         from ...problems.language.plain import shared_in_plain
-        from ...problems.load import load_stored
         from ...problems.names.symbols import Symbols
 
-        spec = load_stored(self.spec, str(self.path))
+        spec = self.stored_spec
         return build(spec), {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
 
 
@@ -144,6 +160,7 @@ def read(path: Path) -> Result:
             objective_error=bar_of(file.attrs)["objective_error"],
             objective_error_missing=printable(file.attrs.get("objective_error_missing", NO_BAR_YET)),
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
+            inaccurate=accuracy_of(file),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
         )
@@ -159,6 +176,7 @@ def bounds_of(problem: Problem) -> dict[str, dict[str, Range]]:
 
 def _ranges(phase: Phase) -> dict[str, Range]:
     ranges = {variable.name: variable.bounds for variable in (*phase.states, *phase.inputs)}
+    ranges |= dict.fromkeys(phase.outputs, Range())
     for constraint in phase.path:
         ranges.setdefault(constraint.name, constraint.bounds)
         name = getattr(constraint.function, "text", None)

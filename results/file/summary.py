@@ -11,8 +11,7 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
-from ...transcription.solution.solution import inaccurate
-from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
+from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import DAMAGED, open_result, stored_problem
 from .layout import MESH
 
@@ -46,8 +45,6 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
     solver = file["solver"].attrs
     seconds = {key.removeprefix("seconds_"): value for key, value in solver.items() if key.startswith("seconds_")}
     meshes = [{"mesh": k + 1, **_attributes(file["mesh"][str(k)])} for k in range(len(file["mesh"]))]
-    error = meshes[-1]["relative_error"]
-    missed = inaccurate(int(solver["unmet_count"]), solver["stopped"], error) if head["solved"] else ""
     return {
         "file": str(path),
         **head,
@@ -61,7 +58,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "notes": list(solver.get("notes", ())),  # results of older versions have none
         "relief": list(solver.get("relief", ())),
         "continuation": list(solver.get("continuation", ())),
-        "inaccurate": missed,
+        "inaccurate": accuracy_of(file),
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "overshoot": _overshoot(file),

@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps, patches
@@ -17,11 +17,29 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from ...problems.drawings.drawing import drawings_of
+from ...problems.drawings.shapes import WHOLE, Circle, Ground, Polyline, Rectangle, Shape
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import replacing
-from ...problems.models.drawings import Circle, Ground, Polyline, Rectangle, Shape, drawing_of
-from ..file.read import Result
-from .style import BLACK, GREY, LETTER, PARTS, TIME_COLOURS, VERMILION, Frame, head, labelled, look, mark, plain
+from ..file.read import PhaseCurves, Result
+from .style import (
+    BLACK,
+    COLOURS,
+    GREY,
+    LETTER,
+    PARTS,
+    TIME_COLOURS,
+    VERMILION,
+    Frame,
+    head,
+    labelled,
+    look,
+    mark,
+    plain,
+)
+
+SHOWN = ("state", "control", "algebraic")
+"""The kinds of curves that a drawing may be made of."""
 
 TRACE_POINTS = 400
 FILM_DPI = 100
@@ -63,37 +81,47 @@ class Scene:
 
 def scene(result: Result) -> Scene:
     """Raises SpecError if the problem has no drawing, or the result no finite values to draw."""
-    drawing = drawing_of(result.spec, result.states)
+    drawings = drawings_of(result.stored_spec)
     _, parameters = result.build()
 
     def at(times: np.ndarray) -> list[Pose]:
-        values = _values(result, times)
-        rows = ({name: float(column[k]) for name, column in values.items()} for k in range(len(times)))
-        return [Pose(float(t), drawing(row, parameters)) for t, row in zip(times, rows, strict=True)]
+        poses = []
+        for t, phase in zip(times, _owners(result, times), strict=True):
+            drawn = drawings[phase.name]({**parameters, "t": float(t), **_values(phase, float(t))})
+            poses.append(Pose(float(t), drawn))
+        return poses
 
     times = np.linspace(result.phases[0].knots[0], result.phases[-1].knots[-1], TRACE_POINTS)
-    finite = all(np.isfinite(column).all() for column in _values(result, times).values())
-    if not finite:
+    curves = [own.dense for phase in result.phases for kind in SHOWN for own in phase.curves.get(kind, {}).values()]
+    if not all(np.isfinite(dense).all() for dense in curves):
         raise SpecError(Mistake(str(result.path), "the trajectory is not finite", "look at it with 'trajopt show'"))
     poses = at(times)
     corners = np.concatenate([_corners(shape) for pose in poses for shape in pose.shapes])
-    traced = [i for i, shape in enumerate(poses[0].shapes) if isinstance(shape, Circle) and shape.trace]
-    traces = {i: np.array([_circle(pose, i).centre for pose in poses]) for i in traced}
+    if not np.isfinite(corners).any(axis=0).all():
+        raise SpecError(Mistake(str(result.path), "its drawing has no finite place", "look at drawing: in its file"))
+    traces = {
+        i: np.array([_middle(pose.shapes[i]) for pose in poses])
+        for i in range(len(poses[0].shapes))
+        if any(getattr(pose.shapes[i], "trace", "") for pose in poses)
+    }
     return Scene(result, at, times, np.array([np.nanmin(corners, axis=0), np.nanmax(corners, axis=0)]), traces)
 
 
-def _circle(pose: Pose, i: int) -> Circle:
-    """Shape i, which is a circle in every pose."""
-    return cast(Circle, pose.shapes[i])
+def _middle(shape: Shape) -> tuple[float, float]:
+    """Where a shape leaves its trace; nowhere for one that has no middle."""
+    return shape.centre if isinstance(shape, Circle | Rectangle) else (np.nan, np.nan)
 
 
-def _values(result: Result, times: np.ndarray) -> dict[str, np.ndarray]:
-    """States and controls at times (K,), of the phase that each time belongs to."""
+def _owners(result: Result, times: np.ndarray) -> Iterator[PhaseCurves]:
+    """The phase that each time belongs to."""
     ends = [phase.knots[-1] for phase in result.phases[:-1]]
-    owner = np.searchsorted(ends, times, side="right")
-    parts = [{**p.values("state", times), **p.values("control", times)} for p in result.phases]
-    names = set(parts[0]).intersection(*parts[1:])
-    return {name: np.choose(owner, [part[name] for part in parts]) for name in names}
+    return (result.phases[number] for number in np.searchsorted(ends, times, side="right"))
+
+
+def _values(phase: PhaseCurves, t: float) -> dict[str, float]:
+    """States, controls and algebraic variables at a time."""
+    at = np.array([t])
+    return {name: float(row[0]) for kind in SHOWN for name, row in phase.values(kind, at).items()}
 
 
 def _corners(shape: Shape) -> np.ndarray:
@@ -101,8 +129,10 @@ def _corners(shape: Shape) -> np.ndarray:
     match shape:
         case Polyline(points=points):
             return np.array(points)
-        case Rectangle(centre=centre, width=width, height=height):
-            return np.array(centre) + 0.5 * np.array([[-width, -height], [width, height]])
+        case Rectangle(centre=centre, width=width, height=height, angle=angle):
+            half = 0.5 * np.array([[-width, -height], [width, -height], [width, height], [-width, height]])
+            turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+            return np.array(centre) + half @ turned
         case Circle(centre=centre, radius=radius):
             return np.array(centre) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
         case Ground(height=height):
@@ -124,7 +154,9 @@ def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 
     poses = stage.at(np.linspace(stage.start, stage.end, n_frames))
     for trace in stage.traces.values() if not spread else ():
         ax.plot(*trace.T, color=GREY, linewidth=0.9, zorder=1)
-    moving = [any(a != b for b in others) for a, *others in zip(*(pose.shapes for pose in poses), strict=True)]
+    moving = [
+        any(repr(a) != repr(b) for b in others) for a, *others in zip(*(pose.shapes for pose in poses), strict=True)
+    ]
     for shape in (s for s, moves in zip(poses[0].shapes, moving, strict=True) if not moves):
         paint(ax, shape)
     for k, pose in enumerate(poses):
@@ -150,6 +182,8 @@ def paint(
     A level ground is not faded, stays in its place and lies below all.
     """
     own, dashes = PARTS.get(shape.role, (BLACK, "-"))
+    if shape.colour:
+        own = COLOURS[shape.colour]
     colour = own if colour is None else colour
     style: dict[str, Any] = {"alpha": 1 - fade, "zorder": layer}
     match shape:
@@ -157,15 +191,18 @@ def paint(
             x, y = np.array(points).T
             line: dict[str, Any] = {
                 "linewidth": 2.4,
-                "marker": "o",
+                "marker": "" if shape.role == "obstacle" else "o",
                 "markersize": 3.5,
                 "solid_capstyle": "round",
                 "linestyle": dashes,
             }
             return ax.plot(x + shift, y, color=colour, **line, **style)[0]
-        case Rectangle(centre=(x, y), width=w, height=h):
-            corner = (x + shift - w / 2, y - h / 2)
+        case Rectangle(centre=(x, y), width=w, height=h, angle=angle):
+            corner, turned = (x + shift - w / 2, y - h / 2), {"angle": np.degrees(angle), "rotation_point": "center"}
+            style |= turned
             return ax.add_patch(patches.Rectangle(corner, w, h, facecolor=colour, edgecolor=BLACK, lw=0.6, **style))
+        case Circle(centre=(x, y), radius=radius) if radius == 0:
+            return ax.plot([x + shift], [y], "o", color=colour, markersize=5, **style)[0]
         case Circle(centre=(x, y), radius=radius):
             return ax.add_patch(patches.Circle((x + shift, y), radius, facecolor=colour, edgecolor="none", **style))
         case Ground(height=height):
@@ -242,7 +279,7 @@ def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image
     for pose in stage.at(np.linspace(stage.start, stage.end, frames)):
         past = stage.times <= pose.t
         for i, line in lines.items():
-            whole = _circle(pose, i).trace == "wire"
+            whole = getattr(pose.shapes[i], "trace", "") == WHOLE
             line.set_data(*stage.traces[i][slice(None) if whole else past].T)
         clock.set_text(f"t = {pose.t:.2f} {unit}")
         shapes = [paint(ax, shape) for shape in pose.shapes]

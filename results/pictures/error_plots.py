@@ -15,11 +15,12 @@ from ..file.read import Result
 from .plots import PANEL_HEIGHT, PANEL_WIDTH, check_panels, draw_mesh_marks, finish, set_times, unlabel
 from .style import BLACK, BLUE, GREY, LETTER, ORANGE, SKY, Frame, Numbers, labelled, look, set_title, width_of
 
+DECADES = 8
 AXIS = 0.05  # inches: an empty row, whose two gaps hold the names of the axes above it
 
 
 def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
-    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figures 11 and 15).
+    """epsilon(t) = dx/dt - f of one state on the left, eta of each segment on the right (Figs 11, 15), logarithmic.
 
     axes: left and right.
     result: its phases are drawn one after the other.
@@ -28,11 +29,10 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
     left, right = axes
     phases = [phase for phase in result.phases if state in phase.epsilon]
     for phase in phases:
-        left.plot(phase.dense_time, phase.epsilon[state].dense, color=BLUE, linewidth=1.0, label="epsilon")
+        left.plot(phase.dense_time, np.abs(phase.epsilon[state].dense), color=BLUE, linewidth=1.0, label="epsilon")
         draw_mesh_marks(left, phase.knots)
-    left.axhline(0, color=BLACK, linewidth=0.6, zorder=1)
-    left.set_title(labelled(f"ε of {state}", phases[0].epsilon[state].unit), loc="left")
-    left.yaxis.set_major_formatter(Numbers())
+    left.set_title(labelled(f"|ε| of {state}", phases[0].epsilon[state].unit), loc="left")
+    _logarithmic(left, np.concatenate([np.abs(phase.epsilon[state].dense) for phase in phases]))
     set_times(left, phases)
     eta = np.concatenate([phase.eta[state] for phase in phases])
     _draw_segments(right, labelled(f"η of {state}", phases[0].curves["state"][state].unit), eta, ORANGE)
@@ -69,10 +69,21 @@ def _draw_segments(ax: Axes, label: str, values: np.ndarray, colour: str) -> Non
     note = f"max {np.nanmax(values):.2g} in segment {np.nanargmax(values) + 1}" if finite else "not finite"
     set_title(ax, label, note)
     ax.set_xlim(0.5, len(values) + 0.5)
-    ax.set_ylim(bottom=0)
-    ax.yaxis.set_major_formatter(Numbers())
+    _logarithmic(ax, values)
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True))
     ax.set_xlabel("segment")
+
+
+def _logarithmic(ax: Axes, values: np.ndarray) -> None:
+    """A logarithmic axis for values that are not negative, over DECADES at most; a plain one where all are zero."""
+    positive = values[np.isfinite(values) & (values > 0)]
+    if not len(positive):
+        ax.set_ylim(bottom=0)
+        ax.yaxis.set_major_formatter(Numbers())
+        return
+    top = float(positive.max())
+    ax.set_yscale("log")
+    ax.set_ylim(max(float(positive.min()) / 2, top * 10.0**-DECADES), 2 * top)
 
 
 def error_figure(result: Result, only: Sequence[str] = ()) -> Figure:

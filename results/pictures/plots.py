@@ -24,6 +24,7 @@ from .style import (
     KIND_COLOURS,
     LETTER,
     VERMILION,
+    VIOLATED,
     Frame,
     Numbers,
     head,
@@ -40,12 +41,15 @@ NO_BOUNDS: Bounds = {}
 
 MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
-FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
+FLAT = 1e-3  # of the size of a curve: an axis spans at least that, so that noise does not look like a movement
+SPIKE, FEW = 0.25, 0.05  # a curve that leaves the range of its points by more than that part of it, for so few samples
 NOISE = 1e-9  # the same for a curve around zero, in its unit
 LEGEND = (*CURVE_KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
 SMALL_LETTER = 0.05  # inches, of the names of phases
+MAX_NAME_ROWS, NAME_ROW = 4, 0.08  # of the names of phases, and their distance, part of the height of a panel
+NEAR = 1e-9  # of the duration
 
 
 def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
@@ -65,18 +69,21 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         _draw_points(ax, phase, curve, colour)
         draw_mesh_marks(ax, phase.knots)
     low, high = _extent([phase.curves[kind][name] for phase in phases])
-    far = [] if kind == "costate" else _draw_bounds(ax, phases, kind, name, bounds)
+    far = [] if kind == "costate" else bound_lines(ax, phases, kind, name, bounds)
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
-        middle, half = (low + high) / 2, max(abs(low + high) / 20, NOISE) if low or high else 1.0
+        middle, half = (low + high) / 2, max(FLAT * max(abs(low), abs(high)) / 2, NOISE) if low or high else 1.0
         ax.set_ylim(middle - half, middle + half)
+    elif spikes := _without_spikes([phase.curves[kind][name] for phase in phases]):
+        view = ax.get_ylim()
+        ax.set_ylim(max(view[0], spikes[0]), min(view[1], spikes[1]))
     width = width_of(ax)
     told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
-    set_title(ax, labelled(*_label(kind, name, phases[0]), width), told)
+    set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told)
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, phases)
 
 
-def _label(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
+def label_of(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
     """What a panel is called, and its unit; a costate has that of the objective per unit of its state."""
     if kind != "costate":
         return name, phase.curves[kind][name].unit
@@ -111,7 +118,18 @@ def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
-def _draw_bounds(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> list[str]:
+def _without_spikes(curves: Sequence[Curve]) -> tuple[float, float] | None:
+    """The range to draw where few samples of a polynomial shoot out beside a jump; None where nothing does."""
+    points, dense = (np.concatenate([getattr(curve, part) for curve in curves]) for part in ("points", "dense"))
+    if not (np.isfinite(points).all() and np.isfinite(dense).all()):
+        return None
+    beyond = SPIKE * (points.max() - points.min())
+    low, high = points.min() - beyond, points.max() + beyond
+    outside = ((dense < low) | (dense > high)).mean()
+    return (float(low), float(high)) if beyond and 0 < outside < FEW else None
+
+
+def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> list[str]:
     """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words."""
     far = []
     low, high = _extent([phase.curves[kind][name] for phase in phases])
@@ -127,34 +145,38 @@ def _draw_bounds(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, 
                 broken = beyond > TOLERATED_EXCESS * (1 + abs(value))
                 style: dict[str, Any] = {"color": GREY, "label": "bound"}
                 if broken:
-                    style = {"color": VERMILION, "label": "violated bound"}
+                    style = {"color": VIOLATED, "label": "violated bound"}
                 ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
             elif gap < inf:
                 far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
     return far
 
 
-def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
+def set_times(ax: Axes, phases: Sequence[PhaseCurves], *, shaded: bool = True) -> None:
     """The time axis, from the first beginning to the last end; of several phases each second one is shaded and all are
     named."""
     start, end = min(phase.knots[0] for phase in phases), max(phase.knots[-1] for phase in phases)
     if end > start:
         ax.set_xlim(start - 0.015 * (end - start), end + 0.015 * (end - start))
     ax.set_xlabel(labelled("time", phases[0].time_unit))
-    if len(phases) > 1:
+    if len(phases) > 1 and shaded:
         _name_phases(ax, phases, end - start)
 
 
 def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> None:
-    across = ax.get_xaxis_transform()
+    """Names above the axes, those of phases at the same times (branches) one above the other; each second is shaded."""
+    across, rows = ax.get_xaxis_transform(), [-np.inf] * MAX_NAME_ROWS
     for number, phase in enumerate(phases):
         first, last = phase.knots[[0, -1]]
         if number % 2:
             ax.axvspan(first, last, color=GREY, alpha=0.1, linewidth=0, zorder=0)
-        room = width_of(ax) * (last - first) / max(duration, 1e-300)
-        if len(phase.name) * SMALL_LETTER <= room:
+        scale = max(duration, 1e-300) / width_of(ax)  # of time, to an inch
+        half = len(phase.name) * SMALL_LETTER * scale / 2
+        free = [row for row, end in enumerate(rows) if end <= (first + last) / 2 - half + NEAR * duration]
+        if 2 * half <= last - first + NEAR * duration and free:
+            rows[free[0]] = (first + last) / 2 + half
             style: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 5.5, "color": GREY}
-            ax.text((first + last) / 2, 1.0, plain(phase.name), transform=across, **style)
+            ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain(phase.name), transform=across, **style)
 
 
 def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
@@ -220,7 +242,7 @@ def _layout(result: Result, sections: Mapping[str, Sequence[str]]) -> tuple[int,
     """
     counts = [len(names) for names in sections.values()]
     labels = [
-        _label(kind, name, phase)
+        label_of(kind, name, phase)
         for phase in result.phases
         for kind, names in sections.items()
         for name in names
@@ -240,7 +262,7 @@ def _layout(result: Result, sections: Mapping[str, Sequence[str]]) -> tuple[int,
 def finish(figure: Figure, result: Result, *notes: str) -> None:
     """The title: the problem, how the solve ended, objective and mesh; and notes, a line for each."""
     mesh = result.meshes[-1]
-    status = "solved" if result.solved else f"NOT SOLVED: {result.message}"
+    status = result.verdict if result.solved else f"NOT SOLVED: {result.message}"
     letters = int(figure.get_figwidth() / (1.15 * LETTER))
     lines = [
         plain(f"{result.problem}: {status}", letters),
@@ -249,4 +271,4 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     ]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(lines[1:])]
-    head(figure, [*lines, *notes], BLACK if result.solved else VERMILION)
+    head(figure, [*lines, *notes], BLACK if result.verdict == "solved" else VERMILION)

@@ -26,6 +26,7 @@ from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"
+VIOLATED = "#B00020"  # of a bound, as nothing else is
 KIND_COLOURS = {
     "state": BLUE,
     "control": VERMILION,
@@ -34,6 +35,18 @@ KIND_COLOURS = {
     "path": SKY,
     "costate": PURPLE,
 }
+COLOURS = {
+    "black": BLACK,
+    "orange": ORANGE,
+    "sky": SKY,
+    "green": GREEN,
+    "blue": BLUE,
+    "vermilion": VERMILION,
+    "purple": PURPLE,
+    "grey": GREY,
+}
+"""The colours that a drawing may name."""
+
 TIME_COLOURS = "viridis"  # from blue and dark to yellow and light, as in the paper's Figure 9
 
 PARTS = {  # role of a shape -> colour and line style; those of the walker are the paper's
@@ -50,6 +63,7 @@ PARTS = {  # role of a shape -> colour and line style; those of the walker are t
     "swing foot": ("#3C3CC8", "-"),
     "torso": ("#A050A0", "-"),
     "ground": ("#763E0C", "-"),
+    "obstacle": ("#B8B8B8", "-"),
 }
 
 DPI = 150
@@ -73,6 +87,8 @@ LOOK: Any = {
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
     "pdf.fonttype": 42,  # text stays text, not outlines
+    "svg.fonttype": "none",
+    "svg.hashsalt": "trajopt",  # the same result gives the same file
     "font.family": "sans-serif",
     "agg.path.chunksize": 10_000,
 }
@@ -80,6 +96,7 @@ LOOK: Any = {
 _MARKS = {  # suffix -> the first bytes of such a file, and what ours holds besides
     ".png": (b"\x89PNG", b"Software\0trajopt"),
     ".pdf": (b"%PDF", b"/Creator (trajopt"),
+    ".svg": (b"<?xml", b"trajopt "),
     ".gif": (b"GIF8", b"Software: trajopt"),
     ".mp4": (b"", b"Software: trajopt"),
 }
@@ -231,9 +248,9 @@ def drawn_by_us(path: Path) -> bool:
 
 
 def save(figures: Sequence[Figure], path: Path, title: str) -> None:
-    """Write figures to a .pdf, one a page, or one figure to a .png.
+    """Write figures to a .pdf, one a page, or one figure to a .png or a .svg.
 
-    figures: in the order of the pages; exactly one for a .png.
+    figures: in the order of the pages; exactly one for a .png or a .svg.
     path: of the picture; its suffix says the format.
     title: written into the file, not drawn.
 
@@ -244,6 +261,12 @@ def save(figures: Sequence[Figure], path: Path, title: str) -> None:
         if path.suffix.lower() == ".png":
             (figure,) = figures
             figure.savefig(temporary, format="png", metadata=about)
+            return
+        if path.suffix.lower() == ".svg":
+            (figure,) = figures
+            figure.savefig(
+                temporary, format="svg", metadata={"Creator": about["Software"], "Title": title, "Date": None}
+            )
             return
         from matplotlib.backends.backend_pdf import PdfPages
 

@@ -1,0 +1,150 @@
+"""Several results in one picture, and one quantity against another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ...problems.drawings.drawing import obstacles_of
+from ...problems.errors import Mistake, SpecError
+from ..file.read import CURVE_KINDS, PhaseCurves, Result
+from .animate import paint
+from .plots import NO_BOUNDS, PANEL_HEIGHT, PANEL_WIDTH, Bounds, bound_lines, check_panels, label_of, set_times, unlabel
+from .style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LETTER,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    Frame,
+    Numbers,
+    head,
+    labelled,
+    legend,
+    look,
+    plain,
+    set_title,
+    width_of,
+)
+
+CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+DASHES = ("-", "--", "-.", ":")
+PLANE = 4.5  # inches, the longer side of a picture of one quantity against another
+
+
+def _style(number: int) -> dict[str, object]:
+    """The colour and the line of one of several results; they repeat together after 28."""
+    return {"color": CYCLE[number % len(CYCLE)], "linestyle": DASHES[number // len(CYCLE) % len(DASHES)]}
+
+
+def _named(results: Sequence[Result]) -> list[str]:
+    """What the legend calls each result: its file, with the folder where two have one name."""
+    names = [result.path.stem for result in results]
+    return [plain(n if names.count(n) == 1 else str(r.path), 40) for n, r in zip(names, results, strict=True)]
+
+
+def overlay_figure(results: Sequence[Result], bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
+    """Quantities of several results over time, one panel each, one colour a result.
+
+    results: solved or not; the legend says which.
+    bounds: of the first one.
+    only: the names to draw, with their costates; empty for all.
+
+    Raises SpecError for a name that no result has, and if there are too many panels.
+    """
+    panels = _panels(results, only)
+    check_panels(results[0], len(panels))
+    columns = 1 if len(panels) < 3 else 2
+    rows = ceil(len(panels) / columns)
+    with look():
+        figure, grid = Frame().figure([PANEL_HEIGHT] * rows, columns, PANEL_WIDTH[columns])
+        lowest: dict[int, Axes] = {}
+        for i, (kind, name) in enumerate(panels):
+            ax = figure.add_subplot(grid[i // columns, i % columns])
+            _draw(ax, results, kind, name, bounds)
+            unlabel(lowest.get(i % columns))
+            lowest[i % columns] = ax
+        _finish(figure, results, f"{len(results)} results")
+    return figure
+
+
+def _panels(results: Sequence[Result], only: Sequence[str]) -> list[tuple[str, str]]:
+    known = dict.fromkeys((kind, name) for kind in CURVE_KINDS for result in results for name in result.names(kind))
+    _check_names([name for _, name in known], only, results)
+    return [(kind, name) for kind, name in known if (name in only if only else kind != "output")]
+
+
+def _check_names(known: Sequence[str], wanted: Sequence[str], results: Sequence[Result]) -> None:
+    if unknown := next((name for name in wanted if name not in known), None):
+        what = f'there is no "{unknown}" in {results[0].path}'
+        raise SpecError(Mistake("--only", what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
+
+
+def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Bounds) -> None:
+    having = [[phase for phase in result.phases if name in phase.curves.get(kind, {})] for result in results]
+    for number, (phases, label) in enumerate(zip(having, _named(results), strict=True)):
+        for phase in phases:
+            ax.plot(phase.dense_time, phase.curves[kind][name].dense, label=label, zorder=2, **_style(number))
+    every: list[PhaseCurves] = [phase for phases in having for phase in phases]
+    if kind != "costate":
+        bound_lines(ax, next(phases for phases in having if phases), kind, name, bounds)
+    set_title(ax, labelled(*label_of(kind, name, every[0]), width_of(ax)))
+    ax.yaxis.set_major_formatter(Numbers())
+    set_times(ax, every, shaded=False)
+
+
+def _finish(figure: Figure, results: Sequence[Result], what: str) -> None:
+    letters = int(figure.get_figwidth() / (1.15 * LETTER))
+    problems = list(dict.fromkeys(result.problem for result in results))
+    lines = [plain(f"{', '.join(problems)}: {what}", letters)]
+    bad = [name for name, result in zip(_named(results), results, strict=True) if result.verdict != "solved"]
+    if bad:
+        lines.append(plain("not solved, or tolerance missed: " + ", ".join(bad), letters))
+    head(figure, lines, BLACK if not bad else VERMILION)
+    legend(figure, [*dict.fromkeys(_named(results)), "knot", "bound", "beginning", "obstacle"])
+
+
+def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure:
+    """One quantity against another, of one result or of several, with the obstacles of the drawing.
+
+    across, upwards: names of states, controls, algebraic variables or outputs; lengths of one unit have one scale.
+
+    Raises SpecError for a name that no result has.
+    """
+    kinds = [kind for kind in CURVE_KINDS if kind != "costate"]
+    _check_names([n for kind in kinds for result in results for n in result.names(kind)], (across, upwards), results)
+    with look():
+        figure, grid = Frame().figure([PLANE], 1, PLANE)
+        ax = figure.add_subplot(grid[0, 0])
+        units = ["", ""]
+        for number, (result, label) in enumerate(zip(results, _named(results), strict=True)):
+            for phase in result.phases:
+                found = {name: phase.curves[kind][name] for kind in kinds for name in phase.curves.get(kind, {})}
+                if across not in found or upwards not in found:
+                    continue
+                x, y = found[across], found[upwards]
+                units = [x.unit, y.unit]
+                ax.plot(x.dense, y.dense, label=label, zorder=2, **_style(number))
+                knot = phase.at_knot
+                ax.plot(x.points[knot], y.points[knot], "o", color=BLACK, markersize=2.2, label="knot", zorder=3)
+                ax.plot(x.points[:1], y.points[:1], "s", color=BLACK, markersize=4.5, label="beginning", zorder=3)
+        ax.set_xlabel(labelled(across, units[0]))
+        ax.set_ylabel(labelled(upwards, units[1]))
+        ax.xaxis.set_major_formatter(Numbers())
+        ax.yaxis.set_major_formatter(Numbers())
+        if units[0] == units[1] != "":
+            view = np.array([ax.get_xlim(), ax.get_ylim()])
+            for shape in obstacles_of(results[0].stored_spec):
+                paint(ax, shape, layer=1)
+            ax.update_datalim(view.T)
+            ax.autoscale_view()
+            ax.set_aspect("equal", adjustable="datalim")
+        _finish(figure, results, f"{upwards} against {across}")
+    return figure
