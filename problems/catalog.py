@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from .errors import FileError, Mistake
+from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
 from .text import did_you_mean
 
@@ -20,9 +20,10 @@ def shipped() -> dict[str, Path]:
 
 
 def find_problem(name: str) -> Path:
-    """The file that a user means: a path that exists, or the name of a shipped problem ("cartpole", "cartpole.yaml").
+    """The file that a user means: a path that exists, with or without its .yaml, or the name of a shipped problem.
 
-    Raises FileError if it is neither.
+    The shipped "cartpole" goes before a file cartpole.yaml, which is named in full. Raises FileError if it is none of
+    them, SpecError for an override in the place of a file.
     """
     path = Path(name)
     if path.exists():
@@ -30,6 +31,12 @@ def find_problem(name: str) -> Path:
     known = shipped()
     if path.parent == Path() and path.name.removesuffix(".yaml") in known:
         return known[path.name.removesuffix(".yaml")]
+    beside = path.with_name(f"{path.name}.yaml")
+    if not path.suffix and beside.is_file():
+        return beside
+    if re.match(r"[A-Za-z_][\w.*\[\]-]*=", name):
+        what = "this is no file, but an override, and each of them has an option of its own"
+        raise SpecError(Mistake(name, what, f"write --set {name}"))
     if path.parent != Path():
         raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
     remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always=f"shipped problems are {', '.join(known)}")

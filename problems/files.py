@@ -10,6 +10,9 @@ from pathlib import Path
 
 from .errors import FileError, Mistake
 
+PIPES = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
+"""Where shells put what they pipe in, as <(...) does; a FIFO by any other name could hang for ever."""
+
 _temporaries: set[Path] = set()
 
 
@@ -28,6 +31,14 @@ def check_writable(path: Path, force: bool = True) -> None:
         raise FileError(Mistake(str(path), what, "choose another folder")) from error
     if path.exists() and not force:
         raise FileError(Mistake(str(path), "the file exists", "choose another name, or replace it with --force"))
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, that is not there yet. Raises FileError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(Mistake(str(path), f"it cannot be made ({error.strerror})", "choose another folder")) from error
 
 
 @contextmanager

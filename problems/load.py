@@ -12,6 +12,7 @@ from .checks.phases import check_spec
 from .checks.repair import repair
 from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
+from .files import PIPES
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
@@ -118,7 +119,7 @@ def load_text(
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
-    return spec.attach(text, locations, warnings)
+    return spec.attach(text, locations, [*warnings, *_empty(data)])
 
 
 def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
@@ -153,6 +154,15 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
+
+
+def _empty(data: Any, path: Place = ()) -> Iterator[Finding]:
+    """Bounds and ends without a value, which count as left out."""
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    for key, value in items:
+        if value is None and key in ("lower", "upper", "equals", "initial", "final") and len(path) > 1:
+            yield Finding((*path, key), f"{key}: is empty, and counts as left out", f"write a value, or remove {key}:")
+        yield from _empty(value, (*path, key))
 
 
 def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
@@ -267,7 +277,7 @@ def _read(path: Path) -> str:
         raise FileError(Mistake(str(path), "there is no such file", f"check the name: {where}"))
     if path.is_dir():
         raise FileError(Mistake(str(path), "this is a folder", "give a problem file in it"))
-    if not path.is_file():
+    if not path.is_file() and not str(path).startswith(PIPES):
         raise FileError(Mistake(str(path), "this is not an ordinary file", "give a YAML problem file"))
     try:
         with path.open("rb") as stream:
@@ -275,4 +285,8 @@ def _read(path: Path) -> str:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise FileError(Mistake(str(path), f"the file cannot be read ({reason})", "check its permissions")) from error
+    if content.startswith(b"\x89HDF"):
+        what = "this is a result, not a problem file"
+        remedy = f"give its problem file; the result is read by trajopt show {path}, plot, table and verify"
+        raise SpecError(Mistake(str(path), what, remedy))
     return decode(content, str(path))

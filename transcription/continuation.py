@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -49,9 +50,13 @@ def solve_spec(
 
     Raises SpecError as `solve.solve` does.
     """
+    began = perf_counter()
     if not spec.continuation or guess is not None:
-        return solve(problems, schedule_of(spec), settings_of(spec), guess=guess, progress=progress, stop=stop)
-    return _Way(spec, problems, progress, stop).walked()
+        solution = solve(problems, schedule_of(spec), settings_of(spec), guess=guess, progress=progress, stop=stop)
+    else:
+        solution = _Way(spec, problems, progress, stop).walked()
+    told = sum(sum(record.seconds.values()) for record in solution.meshes)
+    return replace(solution, elsewhere=max(perf_counter() - began - told, 0.0))
 
 
 def way_of(spec: Spec) -> dict[str, list[float]]:

@@ -6,7 +6,7 @@ whether there is a nonlinear program at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -93,16 +93,28 @@ def load_all(
     """
     specs: list[Spec] = []
     mistakes: list[Mistake] = []
+    found: dict[str, tuple[Mistake, ...]] = {}
     for name in files:
         try:
             piped = name == "-" and stdin is not None
             text = stdin or ""
             specs.append(load_yaml(text, overrides, STDIN, units) if piped else load_file(name, overrides, units))
         except SpecError as error:
-            mistakes += error.mistakes
+            found[name] = error.mistakes
+    for name, own in found.items():
+        mistakes += (_with_file(mistake, name) if _of_some(mistake, files, found) else mistake for mistake in own)
     if mistakes:
-        raise SpecError(dict.fromkeys(mistakes))  # a wrong override is wrong for every file, and told once
+        raise SpecError(dict.fromkeys(mistakes))  # an override that is wrong for every file is told once
     return specs
+
+
+def _of_some(mistake: Mistake, files: Sequence[str], found: Mapping[str, Sequence[Mistake]]) -> bool:
+    """Whether an override is a mistake for some of the files only."""
+    return mistake.where.startswith("--set ") and not all(mistake in found.get(name, ()) for name in files)
+
+
+def _with_file(mistake: Mistake, name: str) -> Mistake:
+    return replace(mistake, where=f"{mistake.where} (in {name})")
 
 
 def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:

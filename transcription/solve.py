@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import count
+from math import inf
 
 import numpy as np
 
@@ -94,10 +95,15 @@ def solve(
     return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None))
 
 
+RUNAWAY = 1e5
+"""How many times longer than its guess a free time is when nothing has stopped it."""
+
+
 class _Loop:
     """The solves of a schedule, and of the meshes that refinement adds to it.
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
+    discarded: those whose solves were not kept.
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked.
     """
@@ -116,6 +122,7 @@ class _Loop:
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
+        self.discarded: tuple[MeshRecord, ...] = ()
 
     def run(self, start: Origin) -> Solution:
         for number in count():
@@ -149,6 +156,7 @@ class _Loop:
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
         if not solution.status.usable and (refined or (own and solution.status in ENDED)):
             self.stopped = _why_stopped(solution.meshes[-1])
+            self.discarded += solution.meshes
             return None
         if refined and own and left_basin(self.last[0], solution):
             return self._again(number, (solution, solved), start, watch)
@@ -189,12 +197,25 @@ class _Loop:
         gap = _gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
-        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
+        notes = (*self.notes, *runaway_times(solution))
+        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
+        solution = replace(solution, discarded=self.discarded)
         sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
         return replace(solution, accept=self.settings.accept, sensitive=sensitive)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
+
+
+def runaway_times(solution: Solution) -> Iterator[str]:
+    """What is told of free final times without an upper bound that have grown beyond all that was meant."""
+    for trajectory in solution.trajectories:
+        phase = trajectory.phase
+        meant = max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
+        if phase.final_time.upper == inf and trajectory.final_time > RUNAWAY * meant:
+            whose = f" of phase {phase.name}" if len(solution.trajectories) > 1 else ""
+            told = f"the final time{whose} has run away to {trajectory.final_time:.3g} {phase.time_unit}".rstrip()
+            yield f"{told}: nothing limits it, so this is no optimum; give time: final: an upper bound"
 
 
 def _out_of_time(solution: Solution, limit: Limit) -> Solution:

@@ -1,15 +1,17 @@
-"""A live line on a terminal while IPOPT iterates; nothing where standard error is no terminal."""
+"""A live line on a terminal while IPOPT iterates; a line now and then where standard error is none."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 
 from ...problems.text import shorten
 from .printing import dumb_terminal, one_line
 
 NAME_WIDTH = 20
+INTERVAL = 10.0  # seconds
 
 
 @contextmanager
@@ -35,13 +37,30 @@ def live_text(text: str) -> Iterator[Callable[[str], None] | None]:
 
 @contextmanager
 def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
-    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown."""
+    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown.
+
+    Where standard error is no terminal it is a plain line every INTERVAL seconds.
+    """
     if not wanted:
         yield None
         return
     name = shorten(one_line(name), NAME_WIDTH)
     with live_text(f"{name}: building") as show:
-        yield show and (lambda mesh, record: show(f"{name}: {_state(mesh, record)}"))
+        tell = show or EverySoOften(lambda text: print(text, file=sys.stderr, flush=True))
+        yield lambda mesh, record: tell(f"{name}: {_state(mesh, record)}")
+
+
+class EverySoOften:
+    """Passes a text on only if the last one, or the beginning, is `interval` seconds past."""
+
+    def __init__(self, tell: Callable[[str], None], interval: float = INTERVAL, clock: Callable[[], float] = monotonic):
+        self.tell, self.interval, self.clock = tell, interval, clock
+        self.last = clock()
+
+    def __call__(self, text: str) -> None:
+        if self.clock() - self.last >= self.interval:
+            self.last = self.clock()
+            self.tell(text)
 
 
 def _state(mesh: int, record: dict) -> str:

@@ -54,7 +54,11 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     methods = ", ".join(dict.fromkeys(phase["method"] for phase in summary["phases"].values()))
     yield "mesh", f"{methods}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
     solves = len(summary["meshes"])
-    yield "iterations", f"{summary['iterations']}" + (f" on {solves} meshes" if solves > 1 else "")
+    left = len(summary["discarded"])
+    meshes = (f" on {solves + left} meshes" if solves + left > 1 else "") + (
+        f", {left} of them not kept" if left else ""
+    )
+    yield "iterations", f"{summary['iterations']}{meshes}"
     seconds = dict(summary["seconds"])
     total = seconds.pop("total")
     parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())

@@ -32,9 +32,11 @@ def export(
     (spec,) = load_all([file], overrides(set_, method, segments))
 
     from ...problems.build import build
+    from ...transcription.export.export import check_format
     from ...transcription.export.export import export as write
     from ...transcription.settings import schedule_of
 
+    check_format(output)
     problem = build(spec)
     with located(spec):
         paths = write(problem, [step.mesh() for step in schedule_of(spec)[-1]], output, force)

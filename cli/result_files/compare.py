@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 
 from ..errors import command
@@ -11,7 +11,7 @@ from ..options import Json, Results
 from ..output.printing import cell, one_line, print_json, print_table
 
 COLUMNS: dict[str, Any] = {
-    "file": str, "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "objective_error": ".1e",
+    "method": str, "segments": "d", "unknowns": "d", "objective": ".10g", "objective_error": ".1e",
     "difference": ".2e",
     "state_difference": ".2e", "max_eta": ".2e", "iterations": "d", "seconds": ".3f",
 }  # fmt: skip
@@ -29,23 +29,49 @@ def compare(results: Results, *, json_: Json = False) -> None:
     from ...results.compare import compare as run
 
     rows = run(results)
-    for row in filter(lambda row: row["other_problem"], rows):
-        pair = f"{rows[0]['file']} and {row['file']} are results of different problems"
-        print("note:", one_line(f"{pair}: {_told(row['other_problem'])}"), file=sys.stderr)
+    differing = list(dict.fromkeys(path for row in rows for path in row["other_problem"]))
+    if differing:
+        told = f"these are results of different problems, which differ in {_listed(differing)}"
+        print("note:", one_line(told), file=sys.stderr)
+    rows = _sorted(rows, differing)
     if json_:
         for row in rows:
             print_json(row)
         return
-    cells = [[row[name] if form is str else cell(row[name], form) for name, form in COLUMNS.items()] for row in rows]
-    right = [name.replace("_", " ") for name, form in COLUMNS.items() if form is not str]
-    print_table([name.replace("_", " ") for name in COLUMNS], cells, right=right)
+    shown = differing[:MAX_TOLD]
+    cells = [
+        [
+            row["file"],
+            *(_value(row["values"][path]) for path in shown),
+            *(row[name] if form is str else cell(row[name], form) for name, form in COLUMNS.items()),
+        ]
+        for row in rows
+    ]
+    right = [*shown, *(name.replace("_", " ") for name, form in COLUMNS.items() if form is not str)]
+    print_table(["file", *shown, *(name.replace("_", " ") for name in COLUMNS)], cells, right=right)
 
 
-def _told(differences: Mapping[str, tuple]) -> str:
-    """Such as "parameters.m1 is 1 and 2"."""
-    texts = [f"{path} is {_value(a)} and {_value(b)}" for path, (a, b) in differences.items()]
-    more = [f"{len(texts) - MAX_TOLD} more"] if len(texts) > MAX_TOLD else []
-    return "; ".join(texts[:MAX_TOLD] + more)
+def _sorted(rows: Sequence[dict[str, Any]], differing: Sequence[str]) -> list[dict[str, Any]]:
+    """The rows in the order of what differs, numbers by their size; those of one problem as they were given.
+
+    Each gets `values`: path of what differs -> its value here.
+    """
+    for row in rows:
+        first = {path: pair[0] for own in rows for path, pair in own["other_problem"].items()}
+        row["values"] = {path: row["other_problem"].get(path, (None, first.get(path)))[1] for path in differing}
+    return sorted(rows, key=lambda row: [_order(row["values"][path]) for path in differing])
+
+
+def _order(value: object) -> tuple[int, float, str]:
+    """Nothing first, then numbers, then texts."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return 1, float(value), ""
+    return (0, 0.0, "") if value is None else (2, 0.0, str(value))
+
+
+def _listed(paths: Sequence[str]) -> str:
+    more = [f"{len(paths) - MAX_TOLD} more"] if len(paths) > MAX_TOLD else []
+    return ", ".join([*paths[:MAX_TOLD], *more])
 
 
 def _value(value: object) -> str:

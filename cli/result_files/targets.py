@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.files import make_folder
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -16,6 +17,8 @@ def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[st
 
     Raises SpecError if two pictures would go to one file that cannot hold them, FileError if a folder is missing.
     """
+    if output is not None and output.endswith(os.sep):
+        make_folder(Path(output))
     if output is None or Path(output).is_dir():
         targets = [[Path(output or "") / (path.stem + ending) for ending in endings] for path in results]
         flat = [path for paths in targets for path in paths]
@@ -24,8 +27,6 @@ def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[st
                 Mistake(str(twice), "two of the pictures would go to this file", "draw one of them with -o")
             )
         return targets
-    if output.endswith(os.sep):
-        raise FileError(Mistake(f"-o {output}", "there is no such folder", "create it first"))
     if len(results) > 1:
         raise FileError(
             Mistake(f"-o {output}", f"this is no folder, but there are {len(results)} results", "create it first")

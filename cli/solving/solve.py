@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.files import PIPES, make_folder
 from ...transcription.loading import STDIN, build_checked, load_all
 from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
 from ..options import Files, Force, Json, Method, Quiet, Segments, Set, overrides
@@ -127,12 +128,20 @@ class _Job:
 
 def _targets(specs: list[Spec], output: str | None) -> list[Path]:
     """Where each result goes; two problems may not go to one file."""
-    names = ["stdin.h5" if spec.file == STDIN else Path(spec.file).stem + ".h5" for spec in specs]
+    names = [
+        "stdin.h5" if spec.file == STDIN or spec.file.startswith(PIPES) else Path(spec.file).stem + ".h5"
+        for spec in specs
+    ]
+    if output == "-":
+        what = "a result is an HDF5 file, which standard output cannot hold"
+        raise SpecError(Mistake("-o -", what, "name a file, and print numbers with --json or trajopt table FILE -o -"))
+    if output is not None and output.endswith(os.sep):
+        make_folder(Path(output))
     if output is not None and not Path(output).is_dir():
-        if len(specs) == 1 and not output.endswith(os.sep):
+        if len(specs) == 1:
             return [Path(output)]
-        reason = f"there are {len(specs)} problems" if len(specs) > 1 else "its name ends like that of a folder"
-        raise SpecError(Mistake(f"-o {output}", f"this is no folder, but {reason}", "create the folder first"))
+        what = f"this is no folder, but there are {len(specs)} problems"
+        raise SpecError(Mistake(f"-o {output}", what, f"write -o {output}/ for a folder, which is made"))
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise SpecError(Mistake(twice, "two of the problems would go to this file", "solve one of them with -o"))

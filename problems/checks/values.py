@@ -28,6 +28,7 @@ from .ends import impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .names import name_trouble, title_troubles
+from .odd import odd
 from .tables import beyond_tables
 from .unused import unused
 
@@ -78,6 +79,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
+        checker.warnings += odd(spec, checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 

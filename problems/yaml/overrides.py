@@ -14,6 +14,7 @@ from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset({"phases", "parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"})
+_SECTIONS = frozenset(["time", "objective", "constraints", "guess", "refine", "mesh", "solver", "reference"])
 _OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
 
 
@@ -96,12 +97,23 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
     steps = shown.replace("[", ".").replace("]", "").split(".")
     if len(steps) > MAX_LEVELS or "" in steps:
         raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
+    if section := _section_of(data, steps[0]):
+        inside = ".".join((section, *steps))
+        raise SpecError(Mistake(where, f"{steps[0]} is one of the {section}", f"write --set {inside}=..."))
     found: list[tuple[Path, Any]] = [((), data)]
     for step in steps:
         if not (data.get("model") and steps[0] in _OF_MODEL):
             _check_declared(found, step, where)
         found = [((*path, key), _below(node, key)) for path, node in found for key in _keys(node, step, path, where)]
     return (path for path, _ in found)
+
+
+def _section_of(data: dict[str, Any], name: str) -> str | None:
+    """The section that declares a name which stands where a section should, or that has a name very like it."""
+    sections = {key: own for key, own in data.items() if key in _NAMED and isinstance(own, dict)}
+    if name in data or name in _SECTIONS:
+        return None
+    return next((key for key, own in sections.items() if name in own), None)
 
 
 def _in_phases(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:

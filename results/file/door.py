@@ -113,6 +113,9 @@ def _unopened(path: Path, error: Exception) -> Mistake:
         return Mistake(str(path), "it cannot be read (permission denied)", "check its permissions")
     if isinstance(error, BlockingIOError) or "already open for" in str(error):
         return Mistake(str(path), "another program has it open for writing", "wait until that has closed it")
+    if path.suffix.lower() in (".yaml", ".yml"):
+        what = "it cannot be read as HDF5: this is a problem file, not a result"
+        return Mistake(str(path), what, f"solve it first: trajopt solve {path}")
     return Mistake(str(path), "it cannot be read as HDF5", ANOTHER)
 
 

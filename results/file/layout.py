@@ -234,6 +234,8 @@ SOLVER = Group(
         "notes": Attribute(TEXTS, optional=True),  # results of older versions have none
         "relief": Attribute(TEXTS, optional=True),
         "continuation": Attribute(TEXTS, optional=True),
+        "discarded": Attribute(TEXTS, optional=True),
+        "discarded_iterations": Attribute(WHOLE, optional=True),
         **_SECONDS,
         "*": Attribute(OPTION),
     },

@@ -58,8 +58,9 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "notes": list(solver.get("notes", ())),  # results of older versions have none
         "relief": list(solver.get("relief", ())),
         "continuation": list(solver.get("continuation", ())),
+        "discarded": list(solver.get("discarded", ())),
         "inaccurate": accuracy_of(file),
-        "iterations": sum(mesh["iterations"] for mesh in meshes),
+        "iterations": sum(mesh["iterations"] for mesh in meshes) + int(solver.get("discarded_iterations", 0)),
         "error": _error(file),
         "overshoot": _overshoot(file),
         "sensitivities": _sensitivities(file),

@@ -30,7 +30,9 @@
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
                                itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
-                               the way, in words)
+                               the way, in words), discarded (meshes whose solves were not kept, in words),
+                               discarded_iterations; seconds_elsewhere is what other starts, discarded meshes and
+                               the way have taken
     /sensitivity/              number, the path of a number of the problem file, and over it value, unit,
                                derivative (of the objective by it; NaN where there is none) and note (why, or
                                what to know); attribute: missing (why there are none at all)
@@ -250,7 +252,10 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     array_of(group, "z_upper", outcome.z_upper, [unknown], "multipliers of the upper bounds")
     array_of(group, "y", outcome.y, [constraint], "multipliers of the constraints")
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
+    parts["elsewhere"] = solution.elsewhere
     group.attrs.update({**outcome.solver, **_seconds(parts)})
+    group.attrs["discarded"] = texts(map(_discarded, solution.discarded))
+    group.attrs["discarded_iterations"] = sum(record.iterations for record in solution.discarded)
     group.attrs["violations"] = texts(map(str, solution.violations))
     group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
@@ -267,6 +272,12 @@ def _write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
         array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
     for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
         array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)
+
+
+def _discarded(record: MeshRecord) -> str:
+    """A mesh whose solve was not kept, in words."""
+    spent = sum(record.seconds.values())
+    return f"{record.segments} segments, {record.iterations} iterations, {spent:.3f} s: {record.status.message}"
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

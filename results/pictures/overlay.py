@@ -114,6 +114,7 @@ def _finish(figure: Figure, results: Sequence[Result], what: str) -> None:
 def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure:
     """One quantity against another, of one result or of several, with the obstacles of the drawing.
 
+    results: the obstacles are those of the first.
     across, upwards: names of states, controls, algebraic variables or outputs; lengths of one unit have one scale.
 
     Raises SpecError for a name that no result has.

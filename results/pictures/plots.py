@@ -84,7 +84,12 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
 
 
 def label_of(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
-    """What a panel is called, and its unit; a costate has that of the objective per unit of its state."""
+    """What a panel is called, and its unit; a costate has that of the objective per unit of its state.
+
+    kind: of the curve, as of `draw_curve`.
+    name: of the quantity.
+    phase: one that has it.
+    """
     if kind != "costate":
         return name, phase.curves[kind][name].unit
     unit = phase.curves["state"][name].unit if name in phase.curves["state"] else ""
@@ -130,7 +135,12 @@ def _without_spikes(curves: Sequence[Curve]) -> tuple[float, float] | None:
 
 
 def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> list[str]:
-    """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words."""
+    """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words.
+
+    ax: the axes to draw on.
+    phases: that have the quantity.
+    kind, name, bounds: as of `draw_curve`.
+    """
     far = []
     low, high = _extent([phase.curves[kind][name] for phase in phases])
     near = high - low or max(abs(low), 1.0) / 10
@@ -153,8 +163,12 @@ def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, b
 
 
 def set_times(ax: Axes, phases: Sequence[PhaseCurves], *, shaded: bool = True) -> None:
-    """The time axis, from the first beginning to the last end; of several phases each second one is shaded and all are
-    named."""
+    """The time axis, from the first beginning to the last end.
+
+    ax: the axes.
+    phases: that are drawn on them.
+    shaded: whether of several phases each second one is shaded and all are named.
+    """
     start, end = min(phase.knots[0] for phase in phases), max(phase.knots[-1] for phase in phases)
     if end > start:
         ax.set_xlim(start - 0.015 * (end - start), end + 0.015 * (end - start))

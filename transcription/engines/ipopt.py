@@ -82,6 +82,7 @@ def solve_program(
     chosen = {**DEFAULTS, **(WARM if start else {}), **(USER_SCALING if scaling else {}), **(options or {})}
     if scaling:
         problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
+    _learn_reals(options or {})
     for name, value in chosen.items():
         if not _accepts(problem, name, value):
             raise ValueError(f"IPOPT does not take {name} = {value!r}")
@@ -103,6 +104,11 @@ def solve_program(
         },
         failed=callbacks.failed,
     )
+
+
+_REAL: set[str] = set()
+"""Options that have turned out to take real numbers."""
+_WHOLE = frozenset({"max_iter", "print_level", *(name for name, value in DEFAULTS.items() if isinstance(value, int))})
 
 
 def check_options(options: Mapping[str, object]) -> list[Mistake]:
@@ -149,13 +155,25 @@ def _problem(**definition: Any) -> Any:
 def _accepts(problem: Any, name: str, value: object) -> bool:
     if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
         return False
-    for attempt in (value, float(value)) if isinstance(value, int) else (value,):  # IPOPT tells 1 from 1.0
+    attempts = (value, float(value)) if isinstance(value, int) else (value,)  # IPOPT tells 1 from 1.0
+    for attempt in attempts[1:] if name in _REAL else attempts:
         try:
             problem.add_option(name, attempt)
         except TypeError:
             continue
+        if attempt is not value:
+            _REAL.add(name)
         return True
     return False
+
+
+def _learn_reals(options: Mapping[str, object]) -> None:
+    """Find out which whole numbers are of options that take real ones, where IPOPT prints nothing of its own."""
+    if unknown := [name for name, value in options.items() if isinstance(value, int) and name not in _WHOLE | _REAL]:
+        problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
+        _silence(problem)
+        for name in unknown:
+            _accepts(problem, name, options[name])
 
 
 def load_library() -> Any:

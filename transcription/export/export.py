@@ -25,6 +25,14 @@ FORMATS = (".nl", ".gms", ".tex")
 NL_HEADER = 10  # lines
 
 
+def check_format(path: Path) -> None:
+    """Raise SpecError for a file whose suffix tells no format."""
+    if path.suffix not in FORMATS:
+        what = f"'{path.suffix}' is no format of 'trajopt export'" if path.suffix else "the name has no suffix"
+        remedy = f"end the name with one of {', '.join(FORMATS)}; results are written by trajopt table, .csv"
+        raise SpecError(Mistake(str(path), what, remedy))
+
+
 def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = False) -> list[Path]:
     """Write the expanded model to a file; returns the files written.
 
@@ -36,9 +44,7 @@ def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = F
 
     Raises SpecError for another suffix, FileError if a file exists and not `force`, or cannot be written.
     """
-    if path.suffix not in FORMATS:
-        what = f"'{path.suffix}' is no format of 'trajopt export'" if path.suffix else "the name has no suffix"
-        raise SpecError(Mistake(str(path), what, f"end the name with one of {', '.join(FORMATS)}"))
+    check_format(path)
     written = [path, *(path.with_suffix(suffix) for suffix in (".row", ".col") if path.suffix == ".nl")]
     tables = [table for phase in problem.phases for table in tables_of(phase)]
     if path.suffix != ".tex" and tables:

@@ -77,7 +77,8 @@ class Solution:
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
-    on the way to this problem, itself the last. sensitive: computes `sensitivities`.
+    on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
+    the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`.
     """
 
     problem: Problem
@@ -96,6 +97,8 @@ class Solution:
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
     continuation: tuple[ContinuationStep, ...] = ()
+    discarded: tuple[MeshRecord, ...] = ()
+    elsewhere: float = 0.0
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
 
     @cached_property
