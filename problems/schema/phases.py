@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
+from .complementarity import ComplementarityEntry
 from .declarations import (
     LOWER,
     NOTE,
@@ -60,6 +61,9 @@ class PhaseEntry(Entry):
     )
     constraints: Constraints = Field(
         Constraints(), description="of this phase, beside the path constraints of the top level"
+    )
+    complementarity: list[ComplementarityEntry] = Field(
+        [], max_length=MAX_NAMES, description="of this phase, beside those of the top level"
     )
     guess: GuessEntry | None = Field(None, description="in place of that of the top level")
     mesh: list[MeshEntry] | None = Field(

@@ -166,6 +166,12 @@ PHASE = Group({
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
+    "complementarity": Each(
+        Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
+        names="pairs",
+        or_none=True,
+        optional=True,
+    ),
 })  # fmt: skip
 """One phase. Another one repeats it."""
 

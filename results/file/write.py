@@ -17,6 +17,7 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
+        complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
                                several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,
@@ -56,7 +57,7 @@ from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
-from .write_phase import write_parameters, write_phase
+from .write_phase import write_exactness, write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -147,6 +148,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+            write_exactness(group_of(group, "complementarity"), trajectory)
         meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)

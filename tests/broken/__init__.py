@@ -6,6 +6,7 @@
 from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
+from .complementarity import COMPLEMENTARITY
 from .dynamics import DYNAMICS, MODELS
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .functions import FUNCTIONS
@@ -21,6 +22,6 @@ __all__ = ["BAD_CSV", "BAD_GUESS", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS"
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
-    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
+    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES, *COMPLEMENTARITY),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS),
 ]
