@@ -39,10 +39,33 @@ COMPLEMENTARITY = [
     other("a pair relaxed to nothing", "{a: y, b: f, relax: [1, 0]}", ".relax", "write positive numbers"),
     other("a pair relaxed upwards", "{a: y, b: f, relax: [1.0e-4, 1]}", ".relax", "do not go down"),
     other("a pair without steps", "{a: y, b: f, relax: []}", ".relax", "at least 1"),
-    other("a pair relaxed by a word", "{a: y, b: f, relax: slowly}", ".relax.0", "must be a number"),
-    other("a pair of a constraint's name", "{name: speed, a: y, b: f}", ".name", 'another constraint is called "speed"'),
-    pair("a pair that begins below zero", "initial: 1", "initial: -1", "complementarity.0.a", "may not be negative", line=12),
-    pair("a pair that is always below zero", "{upper: 100}", "{upper: -1}", "complementarity.0.b", "its bounds end at -1", line=12),
+    other("a pair relaxed by a word", "{a: y, b: f, relax: [slowly]}", ".relax.0", "must be a number"),
+    other(
+        "a pair of a constraint's name", "{name: speed, a: y, b: f}", ".name", 'another constraint is called "speed"'
+    ),
+    pair(
+        "a pair that begins below zero",
+        "initial: 1",
+        "initial: -1",
+        "complementarity.0.a",
+        "may not be negative",
+        line=12,
+    ),
+    pair(
+        "a pair that is always below zero",
+        "{upper: 100}",
+        "{upper: -1}",
+        "complementarity.0.b",
+        "its bounds end at -1",
+        line=12,
+    ),
     pair("pairs that are no list", "complementarity:\n  - ", "complementarity: ", "complementarity", "must be a list"),
-    pair("a pair for Newton", "mesh: [{", "solver: {engine: newton}\nmesh: [{", "complementarity", "takes equality", line=11),
+    pair(
+        "a pair for Newton",
+        "mesh: [{",
+        "solver: {engine: newton}\nmesh: [{",
+        "complementarity",
+        "takes equality",
+        line=11,
+    ),
 ]

@@ -49,7 +49,8 @@ def test_how_exact_it_is(fallen):
     ((pair, product, time),) = exactness(fallen.trajectories[0])
     assert (pair.name, pair.allowed) == ("ground", 1e-6)
     assert 0 < product < 1.01e-6 and 0 < time <= 1.2
-    assert [step.values["complementarity.0.relax"] for step in fallen.continuation] == [0.1, 1e-3, 1e-6]
+    steps = [step.values["complementarity.0.relax"] for step in fallen.continuation]
+    assert steps[:2] == [0.1, 1e-3] and steps[-1] == 1e-6  # with more between where one fails
     assert not any("ground'" in excess.name for excess in excesses(fallen.trajectories[0]))
     assert "not unique" in fallen.objective_error.why_not
 
