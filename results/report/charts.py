@@ -43,7 +43,13 @@ def curves(result: Result, bounds: Bounds) -> dict[str, list[Chart]]:
 
 
 def curve(result: Result, kind: str, name: str, bounds: Bounds) -> Chart:
-    """One quantity of all phases over time: the method's own interpolant, and the points of the mesh."""
+    """One quantity of all phases over time: the method's own interpolant, and the points of the mesh.
+
+    result: at least one of its phases has the quantity.
+    kind: one of CURVE_KINDS.
+    name: of the quantity; of a costate, that of its state.
+    bounds: as of `curves`.
+    """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
     parts = [_samples(phase, phase.curves[kind][name]) for phase in phases]
     x, line = (_joined([part[i] for part in parts], gap) for i, gap in ((0, False), (1, True)))
