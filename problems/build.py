@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from .expressions.expression import Expression
-from .guess import initial_guess
+from .guess import finished, initial_guess
+from .language.functions import written_out
 from .names.occurrences import constraint_names, constraints, residual_names
-from .names.symbols import Symbols
+from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
-from .phases.guess import through_phases
+from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
-from .phases.merge import phase_specs
-from .phases.order import own_entries
+from .phases.merge import home, phase_specs
+from .phases.order import own_entries, with_left_out
 from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
+from .schema.fields import Bounded
 from .schema.spec import Spec
 from .yaml.document import Path
 
@@ -23,25 +26,31 @@ from .yaml.document import Path
 def build(spec: Spec, mesh: int = -1) -> Problem:
     """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
 
-    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
+    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ. Raises
+    `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
+    shared, _ = written_out(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
-        builders[name] = _Builder(own, name, mesh, frozenset(taken))
+        builders[name] = _Builder(own, name, mesh, frozenset(taken), partial(home, spec, name))
     first = next(iter(builders.values()))
     symbols = {name: builder.symbols for name, builder in builders.items()}
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
         phases = list(map(in_order, phases))
-    phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
+    specs = {name: builder.spec for name, builder in builders.items()}
+    phases = through_phases(shared, specs, symbols, phases)
+    phases = finished(
+        phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
+    )
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in spec.optimize.items()), *slack),
+        parameters=(*map(first.static, shared.optimize), *slack),
         links=links,
         mayer=mayer,
     )
@@ -57,21 +66,29 @@ def build_all(spec: Spec) -> list[Problem]:
 
 @dataclass
 class _Builder:
-    """Builds one phase from the spec that it has by itself. taken: names that its slack parameters must not have."""
+    """Builds one phase from the spec that it has by itself.
+
+    taken: names that its slack parameters must not have. origin: where the file has what is at a path of the spec.
+    """
 
     spec: Spec
     name: str
     mesh: int
     taken: frozenset[str]
+    origin: Origin
 
     def __post_init__(self) -> None:
-        self.symbols = Symbols(self.spec)
+        self.symbols = Symbols(self.spec, self.origin)
         self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh, self.taken)
         self.added = frozenset(p.name for p in self.rewritten.parameters)
 
     def phase(self) -> Phase:
         spec, symbols, rewritten = self.spec, self.symbols, self.rewritten
-        times = symbols.range(spec.time.initial), symbols.range(spec.time.final)
+        time = spec.time
+        times = (
+            symbols.range(time.initial, ("time", "initial"), time.unit),
+            symbols.range(time.final, ("time", "final"), time.unit),
+        )
         states = tuple(map(self.state, symbols.states))
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
@@ -123,18 +140,27 @@ class _Builder:
     def bound(self, expression: Expression) -> Expression:
         return self.symbols.function(expression, self.rewritten.definitions, self.added)
 
+    def static(self, name: str) -> Variable:
+        """A static parameter to optimise."""
+        entry = self.spec.optimize[name]
+        return Variable(name, entry.unit, self.symbols.range(entry, ("optimize", name), entry.unit))
+
     def variable(self, declared: Declared) -> Variable:
-        return Variable(declared.name, declared.unit, self.symbols.range(declared.entry))
+        return Variable(declared.name, declared.unit, self.bounds(declared, declared.entry))
+
+    def bounds(self, declared: Declared, entry: Bounded | None, *path: str) -> Range:
+        """The range of an entry of a variable, which stands at a path below that of the variable."""
+        return self.symbols.range(entry, (*declared.path, *path), declared.unit)
 
     def state(self, state: DeclaredState) -> State:
-        bounds = self.symbols.range(state.entry)
+        bounds = self.bounds(state, state.entry)
         return State(
             name=state.name,
             unit=state.unit,
             bounds=bounds,
             rate=self.rate(state),
-            initial=bounds.intersection(self.symbols.range(state.entry.initial)),
-            final=bounds.intersection(self.symbols.range(state.entry.final)),
+            initial=bounds.intersection(self.bounds(state, state.entry.initial, "initial")),
+            final=bounds.intersection(self.bounds(state, state.entry.final, "final")),
             velocity_of=state.velocity_of,
         )
 
@@ -166,7 +192,7 @@ class _Builder:
         written: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
         for (path, constraint), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
             function = self.function((*path, "expression"), constraint.expression)
-            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint)))
+            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint, path)))
         return written
 
     def slack(self, relation: Relation) -> Constraint:

@@ -62,11 +62,16 @@ class Range:
         return self.lower == self.upper
 
     def intersection(self, other: Range) -> Range:
-        """What two ranges have in common; its lower end is above its upper one if that is nothing."""
+        """What two ranges have in common; its lower end is above its upper one if that is nothing.
+
+        Its ends are those of the ranges themselves, which may know more than their values; a fixed value stays whole.
+        """
+        if other.fixed and self.lower <= other.lower <= self.upper:
+            return other
         return Range(max(self.lower, other.lower), min(self.upper, other.upper))
 
     def clip(self, value: float) -> float:
-        return min(max(value, self.lower), self.upper)
+        return float(min(max(value, self.lower), self.upper))
 
     def excess(self, values: np.ndarray) -> np.ndarray:
         """How far values are outside, relative to 1 + |bound|; zero inside."""

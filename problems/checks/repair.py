@@ -11,9 +11,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..names.symbols import UNKNOWN
-from ..schema.fields import TABLES
+from ..schema.fields import CALLED
 from ..schema.spec import Spec
-from ..schema.tables import table_names
+from ..schema.tables import called_names
 from ..text import nearest
 from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
@@ -33,7 +33,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
     """
     if error.error_count() > MAX_FINDINGS:
         return None
-    data, tables = copy.deepcopy(data), table_names(data)
+    data, called = copy.deepcopy(data), called_names(data)
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
             path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
@@ -41,7 +41,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
                 return None
             _replace(data, path, extra)
         try:
-            return Spec.model_validate(data, context={TABLES: tables})
+            return Spec.model_validate(data, context={CALLED: called})
         except ValidationError as remaining:
             error = remaining
     return None

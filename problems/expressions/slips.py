@@ -74,8 +74,8 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """category: number, name, table (a name before its arguments), operator, separator (a comma between arguments),
-    other or end (an empty token)."""
+    """category: number, name, called (a name of the file before its arguments), operator, separator (a comma between
+    arguments), other or end (an empty token)."""
 
     category: str
     text: str
@@ -83,11 +83,11 @@ class Token(NamedTuple):
     stop: int
 
 
-def check_syntax(text: str, tables: Collection[str] = ()) -> None:
+def check_syntax(text: str, called: Collection[str] = ()) -> None:
     """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression.
 
     text: the expression.
-    tables: the names of the tables of data, which have arguments as functions have.
+    called: the names that have arguments: of tables of data, and of functions of the file.
     """
     if not text:
         raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
@@ -96,7 +96,7 @@ def check_syntax(text: str, tables: Collection[str] = ()) -> None:
             f"the expression has {len(text)} characters, more than the {MAX_LENGTH} allowed",
             "name its parts under expressions:",
         )
-    tokens = _with_tables(text, _tokens(text), tables)
+    tokens = _with_called(text, _tokens(text), called)
     for token, after in pairwise(tokens):
         _check_token(text, token, after)
     _check_brackets(text, tokens)
@@ -113,16 +113,19 @@ def _tokens(text: str) -> list[Token]:
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
-def _with_tables(text: str, tokens: list[Token], tables: Collection[str]) -> list[Token]:
-    """The tokens with the names of tables before their arguments marked; a name that is nearly one is refused."""
+def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> list[Token]:
+    """The tokens with the names of tables and functions of the file marked where they stand before their arguments.
+
+    A name before arguments that is nearly one of them is refused.
+    """
     marked = tokens[:]
     for i, (token, after) in enumerate(pairwise(tokens)):
         if token.category != "name" or after.text != "(" or token.text in FUNCTIONS:
             continue
-        if token.text in tables:
-            marked[i] = token._replace(category="table")
-        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, tables)):
-            _fail(text, token, token, f"there is no table {token.text}", f"did you mean {meant}?")
+        if token.text in called:
+            marked[i] = token._replace(category="called")
+        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, called)):
+            _fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
     return marked
 
 
@@ -181,7 +184,7 @@ def _separated(tokens: list[Token]) -> list[Token]:
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and (before.category == "table" or may_hold_commas(before.text)))
+            openers.append(token.text == "(" and (before.category == "called" or may_hold_commas(before.text)))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
@@ -219,7 +222,7 @@ def _ends_operand(token: Token) -> bool:
 
 
 def _starts_operand(token: Token) -> bool:
-    return token.category in ("number", "name", "table") or token.text == "("
+    return token.category in ("number", "name", "called") or token.text == "("
 
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
@@ -237,7 +240,8 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     close = text.find("]", bracket.start)
     inside = text[bracket.stop : close].strip()
     if before.category != "name":
-        _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
+        remedy = "write ( ) to group, and an end of time after each name in it: x[final]"
+        _fail(text, bracket, after, "[ ] stands after a name only", remedy)
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
         if lack := at_another_time(before.text, inside):
@@ -256,7 +260,7 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     tail = "(...)" if token.text == "(" else token.text
-    if token.category in ("name", "table") and after.text == "(":
+    if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")

@@ -63,9 +63,9 @@ class Between:
         """Whether an expression that should be a constant has mistakes."""
         return any(self.findings((), constant, constant=True))
 
-    def range(self, entry: Bounded) -> Range:
-        """The range of the bounds of a link, or of a boundary constraint of the top level."""
-        return range_of(entry, lambda end, default: default if end is None else self.function(end).constant())
+    def range(self, entry: Bounded, path: Path = ()) -> Range:
+        """The range of the bounds of a link, or of a boundary constraint of the top level, at a path of the file."""
+        return range_of(entry, self.function, path)
 
     def _trouble(self, name: Name, constant: bool) -> tuple[str, str] | None:
         """What is wrong with a name, and the remedy."""

@@ -11,7 +11,7 @@ from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ..audit.check import Check
 from ..file.read import PhaseCurves, Result, bounds_of, read
-from ..file.summary import summarize
+from ..file.summary import summarize, telling
 from . import charts, film, mathematics
 from .page import PLOTS, rendered
 
@@ -59,6 +59,7 @@ def result_page(path: Path, facts: Sequence[tuple[str, str]], checks: Sequence[C
         parameters=mathematics.parameters(stated[0]) if stated else [],
         why_not=why_not,
         variables=_variables(summary),
+        telling=telling(summary),
         kinds=kinds,
         left_out=sum(len(result.names(kind)) for kind in KINDS) - sum(len(own) for _, own in kinds),
         errors=errors,

@@ -70,6 +70,13 @@ def test_an_expression_keeps_its_meaning(expression, latex):
     assert line.replace(" ", "") == (r"\dot{v} = " + latex).replace(" ", "")
 
 
+def test_functions_of_the_file_stand_as_they_are_written():
+    text = FILE.replace("RATE", "drag(v)").replace("{drag: v**2}", '{"drag(w)": c*w**2}').replace("drag + x", "x")
+    found = groups(text)
+    assert found["where"] == [r"\mathrm{drag}(w) = c\,w^{2}"]
+    assert found["Dynamics"][1] == r"\dot{v} = \frac{F}{m_{1}} - \mathrm{drag}(v)"
+
+
 def test_what_is_subtracted_stands_in_parentheses():
     assert written("(x + v)").replace(" ", "") == "(x+v)"
     assert groups(FILE.replace("F/m_1 - RATE", "-(x - v) - (-x)"))["Dynamics"][1].endswith("= - (x - v) + x")

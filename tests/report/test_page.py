@@ -12,7 +12,7 @@ from command_line import trajopt
 from report.pages import data_of, page_of, solved_in, swept_in
 from trajopt.results.report.page import visible
 
-SECTIONS = ["problem", "trajectory", "motion", "accuracy", "solver", "verification", "again"]
+SECTIONS = ["problem", "trajectory", "sensitivity", "motion", "accuracy", "solver", "verification", "again"]
 VOID = {"meta", "img", "input", "br", "path"}
 
 
@@ -69,7 +69,7 @@ def test_a_page_tells_all_of_a_result(solved, folder):
     titles = [chart["title"] for chart in charts.values()]
     assert titles[:6] == ["q1", "q2", "v1", "v2", "u", "costate of q1"]
     assert {"η of each state", "part of the error bar of the objective", "infeasibility and barrier"} <= set(titles)
-    assert text.count("<figure class=\"chart\" data-chart=") == len(charts)
+    assert text.count('<figure class="chart" data-chart=') == len(charts)
 
 
 def test_curves_are_those_of_the_file(solved, folder):

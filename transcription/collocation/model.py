@@ -49,15 +49,18 @@ from .segments import CollocationBuilder
 BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
 
 
-def by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+def by_model(
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool, values_only: bool = False
+) -> Transcription:
     """The program of collocation schemes and finite differences, as `transcribe.transcribe`.
 
     problem: one that no method refuses.
     meshes: one for each phase.
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
+    values_only: as of `structure.form_of`.
     """
-    forms = forms_of(problem) if templates else None
+    forms = forms_of(problem, values_only) if templates else None
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
     for parameter in problem.parameters:
@@ -95,7 +98,12 @@ def _data(block: Any, form: Form | None) -> dict[str, Any]:
     """Numbers of the file that stay symbols: a Param of the block for each."""
     if form is None or not form.data:
         return {}
-    block.number = Param(list(form.data), mutable=True, within=AnyValue, initialize=dict(form.data))
+    block.number = Param(
+        list(form.data),
+        mutable=True,
+        within=AnyValue,
+        initialize={name: float(number) for name, number in form.data.items()},
+    )
     return {name: block.number[name] for name in form.data}
 
 

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...problems.expressions.expression import Expression
-from ...problems.names.symbols import Symbols
-from ...problems.names.variables import Declared
-from ...problems.phases.merge import phase_specs
+from ...problems.expressions.signature import signature
+from ...problems.names import variables
+from ...problems.phases.merge import phases_as_written
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from . import formula as write
@@ -45,12 +45,11 @@ def equations(spec: Spec, problem: Problem) -> list[Group]:
     spec: of the file, without mistakes.
     problem: built of it; it has the links between phases.
     """
-    phases = {name: (own, Symbols(own)) for name, own in phase_specs(spec).items()}
-    names = [name for _, symbols in phases.values() for name in symbols.roles]
-    writer = Writer(Notation(names))
+    phases = phases_as_written(spec)
+    writer = Writer(Notation(name for own in phases.values() for name in _names(own)))
     found: dict[str, dict[tuple[Equation, ...], list[str]]] = {}
-    for name, (own, symbols) in phases.items():
-        for title, rows in _Phase(own, symbols, writer).groups():
+    for name, own in phases.items():
+        for title, rows in _Phase(own, writer).groups():
             found.setdefault(title, {}).setdefault(tuple(map(_equation, filter(None, rows))), []).append(name)
     groups = [
         _group(title, rows, names, len(phases)) for title, alike in found.items() for rows, names in alike.items()
@@ -58,6 +57,17 @@ def equations(spec: Spec, problem: Problem) -> list[Group]:
     if len(phases) > 1:
         groups.append(_group("Between phases", tuple(map(_equation, _between(spec, problem, writer)))))
     return [group for group in groups if group.equations]
+
+
+def _names(spec: Spec) -> Iterator[str]:
+    """Every name that may stand in the equations of a phase."""
+    for group in (spec.parameters, spec.expressions, spec.optimize):
+        yield from group
+    yield from (variable.name for variable in _declared(spec))
+
+
+def _declared(spec: Spec) -> tuple[variables.Declared, ...]:
+    return (*variables.states(spec), *variables.controls(spec), *variables.algebraic(spec))
 
 
 def _equation(row: Equation | Formula) -> Equation:
@@ -88,8 +98,9 @@ def _sense(spec: Spec) -> str:
 class _Phase:
     """The equations of one phase."""
 
-    def __init__(self, spec: Spec, symbols: Symbols, writer: Writer) -> None:
-        self.spec, self.symbols, self.write = spec, symbols, writer
+    def __init__(self, spec: Spec, writer: Writer) -> None:
+        self.spec, self.write = spec, writer
+        self.states = variables.states(spec)
 
     def groups(self) -> Iterator[tuple[str, Iterable[Equation | Formula | None]]]:
         """Title and equations, of every kind there may be."""
@@ -119,7 +130,7 @@ class _Phase:
     def dynamics(self) -> Iterator[Equation | Formula]:
         if self.spec.model:
             yield Equation(words=f"Rates and residuals are those of the model {self.spec.model}.")
-        for state in self.symbols.states:
+        for state in self.states:
             if state.rate is not None and not state.implicit:
                 rate = self.write.notation.formula(f"{state.name}[rate]")
                 yield write.related(EQUAL, rate, self.write(state.rate))
@@ -128,15 +139,17 @@ class _Phase:
 
     def definitions(self) -> Iterator[Formula]:
         for name, named in self.spec.expressions.items():
-            yield write.related(EQUAL, self.write.notation.formula(name), self.write(named.value))
+            function = signature(name)
+            known = self.write.notation.formula
+            left = write.looked_up(function.name, list(map(known, function.arguments))) if function else known(name)
+            yield write.related(EQUAL, left, self.write(named.value))
 
     def over_time(self) -> Iterator[Formula | None]:
         for constraint in self.spec.constraints.path:
             yield self.write.bounded(self.write(constraint.expression), constraint)
 
     def bounds(self) -> Iterator[Formula | None]:
-        declared: Iterator[Declared] = iter((*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic))
-        for variable in declared:
+        for variable in _declared(self.spec):
             yield self.write.bounded(self.write.notation.formula(variable.name), variable.entry)
         for name, static in self.spec.optimize.items():
             yield self.write.bounded(self.write.notation.formula(name), static)
@@ -144,7 +157,7 @@ class _Phase:
     def ends(self) -> Iterator[Formula | None]:
         for end in ("initial", "final"):
             yield self.write.bounded(self.write.notation.formula("t", end), getattr(self.spec.time, end))
-            for state in self.symbols.states:
+            for state in self.states:
                 at_end = self.write.notation.formula(state.name, end)
                 yield self.write.bounded(at_end, getattr(state.entry, end))
         for constraint in self.spec.constraints.boundary:
