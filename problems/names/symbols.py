@@ -25,6 +25,14 @@ from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
 MAX_SUGGESTIONS = 20
 MAX_KNOWN = 500
 
+# What people call it elsewhere -> what it is here.
+_MEANT = {
+    "e": "exp(...) for a power of e",
+    "duration": "t[duration], which is t[final] - t[initial]",
+    **dict.fromkeys(("tf", "tF", "t_f", "t_final"), "t[final] for the final time"),
+    **dict.fromkeys(("t0", "t_0", "t_initial"), "t[initial] for the initial time"),
+}
+
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
@@ -234,8 +242,8 @@ class Symbols:
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        if name == "e":
-            return what, "write exp(...) for a power of e"
+        if name in _MEANT:
+            return what, f"write {_MEANT[name]}"
         if self._unknown_names >= MAX_SUGGESTIONS:
             return what, "declare it"
         self._unknown_names += 1

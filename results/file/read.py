@@ -144,11 +144,11 @@ class Result:
 
         Raises FileError if this version of trajopt cannot read the problem.
         """
-        from ...problems.language.functions import written_out
+        from ...problems.language.plain import shared_in_plain
         from ...problems.names.symbols import Symbols
 
         spec, problem = self.stated()
-        return problem, {**Symbols(written_out(spec)[0]).numbers, **self.phases[0].parameters}
+        return problem, {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
 
 
 def read(path: Path) -> Result:
