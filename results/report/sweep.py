@@ -71,7 +71,7 @@ def sweep_page(folder: Path) -> str:
         left_out=len(records) - len(shown),
         equations=mathematics.shown(*stated) if stated else [],
         parameters=mathematics.parameters(stated[0]) if stated else [],
-        several=bool(stated) and len(stated[1].phases) > 1,
+        several=stated is not None and len(stated[1].phases) > 1,
         why_not=why_not,
         sense=sense,
         data={"charts": {}, "sweep": data},

@@ -50,7 +50,8 @@ def equations(spec: Spec, problem: Problem) -> list[Group]:
     found: dict[str, dict[tuple[Equation, ...], list[str]]] = {}
     for name, own in phases.items():
         for title, rows in _Phase(own, writer).groups():
-            found.setdefault(title, {}).setdefault(tuple(map(_equation, filter(None, rows))), []).append(name)
+            stated = tuple(_equation(row) for row in rows if row is not None)
+            found.setdefault(title, {}).setdefault(stated, []).append(name)
     groups = [
         _group(title, rows, names, len(phases)) for title, alike in found.items() for rows, names in alike.items()
     ]
