@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from .expressions.expression import Expression
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
-from .language.functions import written_out
+from .language.plain import shared_in_plain
+from .language.times import TimeParameter, beyond_parameter
 from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
@@ -32,7 +33,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
-    shared, _ = written_out(spec)
+    shared, _ = shared_in_plain(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
         builders[name] = _Builder(own, name, mesh, frozenset(taken), partial(home, spec, name))
@@ -43,19 +44,28 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         phases = list(map(in_order, phases))
     specs = {name: builder.spec for name, builder in builders.items()}
     phases = through_phases(shared, specs, symbols, phases)
+    phases = with_times(phases)
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
     )
-    slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
+    made = [own for builder in builders.values() for own in (*builder.times(), *builder.rewritten.parameters)]
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*map(first.static, shared.optimize), *slack),
+        parameters=(*map(first.static, shared.optimize), *made),
         links=links,
         mayer=mayer,
     )
+
+
+def with_times(phases: Sequence[Phase]) -> list[Phase]:
+    """The phases, with the guesses of all parameters that are times in the guess of each."""
+    times = {name: value for phase in phases for name, value in phase.times_in(phase.guess).items()}
+    if not times:
+        return list(phases)
+    return [replace(p, guess=replace(p.guess, parameters={**p.guess.parameters, **times})) for p in phases]
 
 
 def build_all(spec: Spec) -> list[Problem]:
@@ -108,14 +118,33 @@ class _Builder:
             residuals=self.residuals(),
             path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path), *self.signs(), *products),
             complementarity=tuple(Complementarity(own.name, own.function, own.bounds.upper) for own in products),
-            boundary=(*self.of_model("boundary"), *written["boundary"], *map(self.slack, rewritten.boundary)),
+            boundary=(
+                *self.of_model("boundary"),
+                *written["boundary"],
+                *map(self.slack, rewritten.boundary),
+                *self.of_times(),
+            ),
             integral=tuple(written["integral"]),
             lagrange=self.term("integral"),
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         return within_tables(phase)
+
+    @property
+    def time_parameters(self) -> dict[str, TimeParameter]:
+        return {name: own for name, own in self.spec.optimize.items() if isinstance(own, TimeParameter)}
+
+    def times(self) -> Iterator[Variable]:
+        """The static parameters that are times of this phase."""
+        return (Variable(name, own.unit) for name, own in self.time_parameters.items())
+
+    def of_times(self) -> Iterator[Constraint]:
+        for name, own in self.time_parameters.items():
+            difference = beyond_parameter(name, own.end)
+            yield Constraint(difference.text, self.bound(difference), Range(0.0, 0.0))
 
     def outputs(self) -> dict[str, Output]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.

@@ -16,7 +16,7 @@ the inputs of the dynamics: the controls, then the algebraic variables.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Protocol
@@ -181,6 +181,7 @@ class Phase:
 
     time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
+    time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     """
 
     name: str
@@ -199,6 +200,11 @@ class Phase:
     mayer: Function | None = None
     time_unit: str = "s"
     outputs: Mapping[str, Output] = field(default_factory=dict)
+    time_parameters: Mapping[str, str] = field(default_factory=dict)
+
+    def times_in(self, curves: Curves) -> dict[str, float]:
+        """The values of the parameters that are times of this phase, for curves that a solve may start from."""
+        return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
@@ -257,6 +263,13 @@ class Problem:
     parameters: tuple[Variable, ...] = ()
     links: tuple[Constraint, ...] = ()
     mayer: Function | None = None
+
+    def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
+        """Name of each static parameter -> its value at the start. guess: one for each phase."""
+        values = dict(guess[0].parameters)
+        for phase, own in zip(self.phases, guess, strict=True):
+            values |= phase.times_in(own)
+        return values
 
     def __repr__(self) -> str:
         """A line for the problem and one for each phase, as far as they are few."""

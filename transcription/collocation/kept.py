@@ -158,8 +158,9 @@ def _unknowns(
             put(places, curves[variable.name], variable.bounds)
         put(layout.t[:1], start.initial_time, phase.initial_time)
         put(layout.t[1:], start.final_time, phase.final_time)
+    start_of = problem.start_of_parameters(guess)
     for place, own in zip(parameters, problem.parameters, strict=True):
-        put(np.array([place]), guess[0].parameters[own.name], own.bounds)
+        put(np.array([place]), start_of[own.name], own.bounds)
     z, lower, upper = table
     return z, lower, upper
 

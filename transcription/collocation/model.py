@@ -63,8 +63,9 @@ def by_model(
     forms = forms_of(problem, values_only) if templates else None
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
+    start = problem.start_of_parameters(guess)
     for parameter in problem.parameters:
-        bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
+        bound(model.p[parameter.name], parameter.bounds, start[parameter.name])
     model.phase = Block([phase.name for phase in problem.phases])
     p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
     blocks = [model.phase[phase.name] for phase in problem.phases]
@@ -77,8 +78,8 @@ def by_model(
         for block, own, phase, mesh in zip(blocks, data, problem.phases, meshes, strict=True)
     ]
     with templated() if forms else nullcontext():
-        for builder, start in zip(builders, guess, strict=True):
-            builder.variables(start)
+        for builder, curves in zip(builders, guess, strict=True):
+            builder.variables(curves)
             builder.constraints()
         links = _links(model, problem, builders, linked)
         model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked))
