@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from .expressions.expression import Expression
 from .guess import finished, initial_guess
 from .language.functions import written_out
+from .measured import measured
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
@@ -101,6 +102,7 @@ class _Builder:
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            measured=tuple(measured(spec, symbols)),
         )
         return within_tables(phase)
 

@@ -19,6 +19,7 @@ from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
+from .measurements import MAX_SETS, MeasuredEntry
 from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
@@ -40,7 +41,8 @@ def _alternatives(schema: dict[str, Any]) -> None:
     """What a file needs: with phases, its states, times and objective may stand in these."""
     needed = [key for key in schema["required"] if key != "objective"]
     dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
-    one = {"allOf": [{"required": ["objective", "time"]}, dynamics]}
+    wanted = {"anyOf": [{"required": ["objective"]}, {"required": ["measurements"]}]}
+    one = {"allOf": [{"required": ["time"]}, wanted, dynamics]}
     schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
 
 
@@ -91,6 +93,11 @@ class Spec(Entry):
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    measurements: dict[str, MeasuredEntry] = Field(
+        {},
+        max_length=MAX_SETS,
+        description="of experiments: name -> {file, compare, deviations}; their squared residuals are minimised",
+    )
     phases: dict[str, PhaseEntry] = Field(
         {},
         max_length=MAX_PHASES,
