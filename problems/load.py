@@ -141,9 +141,9 @@ def _measured_objective(data: dict[str, Any]) -> None:
     """With measurements, their residuals are an objective by themselves."""
     phases = data.get("phases")
     owners = [data, *(phases.values() if isinstance(phases, dict) else ())]
-    if data.get("objective") is None and any(isinstance(own, dict) and own.get("measurements") for own in owners):
-        if not any(isinstance(own, dict) and own.get("objective") for own in owners):
-            data["objective"] = {"minimize": {}}
+    owners = [own for own in owners if isinstance(own, dict)]
+    if any(own.get("measurements") for own in owners) and not any(own.get("objective") for own in owners):
+        data["objective"] = {"minimize": {}}
 
 
 def _shared_objective(data: dict[str, Any]) -> None:

@@ -133,9 +133,7 @@ def _coarse(problem: Problem, meshes: Sequence[Mesh]) -> list[Mesh] | None:
     coarse = [coarsened for mesh in meshes if (coarsened := mesh.coarsened(COARSE))]
     if len(coarse) < len(meshes):
         return None
-    return [
-        with_knots(mesh, measured_fractions(phase)) for mesh, phase in zip(coarse, problem.phases, strict=True)
-    ]
+    return [with_knots(mesh, measured_fractions(phase)) for mesh, phase in zip(coarse, problem.phases, strict=True)]
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's

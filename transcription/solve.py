@@ -14,9 +14,9 @@ from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .measured.estimates import estimates
 from .measured.knots import measured_fractions, with_knots
+from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh

@@ -8,7 +8,7 @@ from typing import Any
 
 from .printing import cell, print_table
 
-CLOSE = 0.95
+CLOSE = 0.98
 """A correlation worth telling: what is measured hardly tells the two parameters apart."""
 
 
@@ -24,8 +24,9 @@ def estimate_lines(found: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
         yield "fit", f"{count}; no standard errors: {found['missing']}"
         return
     over = found["measurements"] - found["free"]
-    each = f"; {found['residuals'] / over:.3g} for each that is left over" if over > 0 else ""
-    yield "fit", f"sum of squares {found['residuals']:.6g} of {count}{each}; scale of the deviations {found['scale']:.3g}"
+    each = f", {found['residuals'] / over:.3g} for each beyond the unknowns" if over > 0 else ""
+    scale = "" if found["given"] else f"; standard deviation {found['scale']:.3g} (of weight 1)"
+    yield "fit", f"{count}; sum of squares {found['residuals']:.6g}{each}{scale}"
     for a, b in combinations(found["correlation"], 2):
         if (value := found["correlation"][a][b]) is not None and abs(value) > CLOSE:
             yield "correlation", f"{a} and {b}: {value:.4f}, so that they are hardly told apart"

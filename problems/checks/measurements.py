@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, nodes
 from ..measured import compared
@@ -23,9 +22,7 @@ MAX_TIMES = 2000
 """Distinct ones of a phase: each is a knot of every mesh."""
 
 
-def measurement_mistakes(
-    spec: Spec, symbols: Symbols, times: tuple[Range | None, Range | None]
-) -> Iterator[Finding]:
+def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
     """Every mistake in the measurements of a phase.
 
     spec, symbols: of the phase.
@@ -35,8 +32,14 @@ def measurement_mistakes(
         return
     first: Path = ("measurements", next(iter(spec.measurements)))
     if spec.objective.sense == "maximize":
-        yield Finding(first, "squared residuals are minimised, and the objective is maximised", "write minimize: with the sign of the terms changed")
-    if all(own is not None and not own.fixed for own in times[:1]) or all(own is not None and not own.fixed for own in times[1:]):
+        yield Finding(
+            first,
+            "squared residuals are minimised, and the objective is maximised",
+            "write minimize: with the sign of the terms changed",
+        )
+    if all(own is not None and not own.fixed for own in times[:1]) or all(
+        own is not None and not own.fixed for own in times[1:]
+    ):
         what = "the times of measurements are knots of the mesh, and here an end of the time is free"
         yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")
     for name, entry in spec.measurements.items():
@@ -156,5 +159,3 @@ def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[F
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
                 what = f"{node.symbol} is not smooth"
                 yield Finding(place, what, "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)")
-
-

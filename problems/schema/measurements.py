@@ -58,7 +58,9 @@ class MeasuredEntry(Entry):
     deviations: Exactness | None = Field(
         None, description="standard deviation of the values: a number, the name of a column, or these by column"
     )
-    weights: Exactness | None = Field(None, description="in place of deviations: of the squared residuals, known but for a factor")
+    weights: Exactness | None = Field(
+        None, description="in place of deviations: of the squared residuals, known but for a factor"
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:

@@ -26,6 +26,9 @@ from .solving import MAX_MESHES, MeshEntry
 
 MAX_PHASES = 200
 
+NONE = "none"
+"""For links: no phase goes on in another."""
+
 OWN = "of this phase: over what the top level says of the same names"
 
 
@@ -90,7 +93,7 @@ class LinkEntry(Entry):
 
     @classmethod
     def _unfold(cls, data: Any) -> Any:
-        return {"apart": True} if data == "none" else data
+        return {"apart": True} if data == NONE else data
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:

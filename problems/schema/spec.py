@@ -20,7 +20,7 @@ from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .measurements import MAX_SETS, MeasuredEntry
-from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
+from .phases import MAX_PHASES, NONE, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
     DEFAULT_METHOD,
@@ -44,6 +44,12 @@ def _alternatives(schema: dict[str, Any]) -> None:
     wanted = {"anyOf": [{"required": ["objective"]}, {"required": ["measurements"]}]}
     one = {"allOf": [{"required": ["time"]}, wanted, dynamics]}
     schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
+
+
+def _or_none(schema: dict[str, Any]) -> None:
+    """The word none in place of a list."""
+    long = {key: schema.pop(key) for key in ("type", "items", "maxItems")}
+    schema["anyOf"] = [{"const": NONE}, long]
 
 
 class Spec(Entry):
@@ -106,7 +112,8 @@ class Spec(Entry):
     links: list[LinkEntry] = Field(
         [],
         max_length=MAX_NAMES,
-        description="between phases; default: time and every state of one name go on in the next phase",
+        description="between phases; default: time and every state of one name go on in the next phase; none: in none",
+        json_schema_extra=_or_none,
     )
     waypoints: list[Waypoint] = Field(
         [],
@@ -146,6 +153,11 @@ class Spec(Entry):
     _text: str = PrivateAttr("")
     _locations: Locations = PrivateAttr(Locations("", {}))
     _warnings: tuple[Mistake, ...] = PrivateAttr(())
+
+    @field_validator("links", mode="before")
+    @classmethod
+    def _none(cls, value: Any) -> Any:
+        return [NONE] if value == NONE else value
 
     @field_validator("trajopt")
     @classmethod

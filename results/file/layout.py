@@ -171,6 +171,7 @@ ESTIMATES = Group(
         "measurements": Attribute(WHOLE, above=-1),
         "free": Attribute(WHOLE),
         "scale": Attribute(NUMBER),
+        "given": Attribute(FLAG),
         "missing": Attribute(TEXT),
     },
     optional=True,

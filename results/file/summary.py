@@ -161,7 +161,7 @@ def _estimates(file: h5py.File) -> dict[str, Any] | None:
         "correlation": {
             name: dict(zip(names, row, strict=True)) for name, row in zip(names, group["correlation"][:], strict=True)
         },
-        **{key: group.attrs[key] for key in ("residuals", "measurements", "free", "scale", "missing")},
+        **{key: group.attrs[key] for key in ("residuals", "measurements", "free", "scale", "given", "missing")},
     }
 
 

@@ -17,10 +17,12 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
-        measured/<set>.<column>/ measurements: time, value, deviation (measurement), and model, the solution there
-    /estimates/                where something was measured: parameter (names), value, standard_error, correlation;
-                               attributes: residuals (the sum of weighted squares), measurements, free (numbers),
-                               scale (of the deviations), missing (why there are no standard errors)
+        measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
+                               with expression, that of the model
+    /estimates/                where something was measured: parameter and other (names), value, standard_error,
+                               correlation; with residuals (the sum of weighted squares), measurements and free (their
+                               number, and that of unknowns), scale (of the deviations), given (whether these were),
+                               missing (why there are no standard errors)
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
                                several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,

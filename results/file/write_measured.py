@@ -56,6 +56,7 @@ def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> No
             "measurements": found.measurements,
             "free": found.free,
             "scale": found.scale,
+            "given": found.given,
             "missing": found.why_not,
         }
     )

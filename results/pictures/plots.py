@@ -63,7 +63,8 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         colour = KIND_COLOURS[kind]
         ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
         _draw_points(ax, phase, curve, colour)
-        _draw_measured(ax, phase, name)
+        if kind != "costate":
+            _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
     low, high = _extent([phase.curves[kind][name] for phase in phases])
     far = [] if kind == "costate" else _draw_bounds(ax, phases, kind, name, bounds)
@@ -211,7 +212,8 @@ def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
     if not only:  # named expressions without a unit are parts of others more often than not
         units = {n: phase.curves["output"][n].unit for phase in result.phases for n in phase.curves.get("output", {})}
-        chosen["output"] = [name for name in chosen["output"] if units[name]]
+        measured = {own.expression for phase in result.phases for own in phase.measured}
+        chosen["output"] = [name for name in chosen["output"] if units[name] or name in measured]
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
 

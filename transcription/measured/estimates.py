@@ -72,7 +72,9 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     if any(phase.controls for phase in problem.phases) and not given:
         why_not = "with controls, nothing tells how exact the measurements are: give deviations:"
     elif not count > free and not given:
-        why_not = f"{count} measurements leave nothing over for {free} unknowns to tell how exact they are: give deviations:"
+        why_not = (
+            f"{count} measurements leave nothing over for {free} unknowns to tell how exact they are: give deviations:"
+        )
     else:
         covariance, why_not = acting.covariance(values)
         covariance = covariance * scale**2
@@ -80,6 +82,7 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     deviations = none if why_not else np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(deviations, deviations)
+    correlation[np.diag_indices(len(values))] = np.where(np.isfinite(deviations), 1.0, np.nan)
     return Estimates(names, values, deviations, correlation, residuals, count, free, float(scale), given, why_not)
 
 
