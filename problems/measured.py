@@ -61,7 +61,7 @@ def _of(entry: MeasuredEntry, column: str, count: int) -> np.ndarray:
 
 
 def _numbers(column: list[float | None]) -> np.ndarray:
-    return np.array([np.nan if value is None else value for value in column], float)
+    return np.array([value if value is not None else float("nan") for value in column], float)
 
 
 def _unit(name: str, symbols: Symbols, spec: Spec) -> str:

@@ -21,8 +21,9 @@ from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
+from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
-from .transcribe import refused
+from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -202,7 +203,8 @@ class _Loop:
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
-        solution = replace(solution, accept=self.settings.accept)
+        sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
+        solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
 

@@ -69,7 +69,8 @@ def _number(name: str, value: Any) -> float:
 _OBJECT = {"type": "object", "additionalProperties": {"type": "array", "items": {"type": ["number", "null"]}}}
 
 if TYPE_CHECKING:
-    Columns = Samples = Series
+    Columns = Series
+    Samples = Series
 else:
     Columns = Annotated[Any, PlainValidator(_columns), WithJsonSchema(_OBJECT)]
     Samples = Annotated[Any, PlainValidator(_samples), WithJsonSchema(_OBJECT)]

@@ -236,6 +236,21 @@ MESH = Group(
 
 _UNKNOWN, _CONSTRAINT, _RECORD = (Size(symbol, least=0) for symbol in ("unknowns", "constraints", "records"))
 
+_NUMBERS = Size("numbers", least=0)
+
+SENSITIVITY = Group(
+    {
+        "number": Array(TEXT, (_NUMBERS,)),
+        "value": Array(NUMBER, (_NUMBERS,)),
+        "unit": Array(TEXT, (_NUMBERS,)),
+        "derivative": Array(NUMBER, (_NUMBERS,)),
+        "note": Array(TEXT, (_NUMBERS,)),
+    },
+    {"missing": Attribute(TEXT)},
+    optional=True,  # results of older versions have none
+)
+"""The derivative of the objective by each number of the file."""
+
 SOLVER = Group(
     {
         "iterations": Group({"number": Array(WHOLE, (_RECORD,)), "*": Array(NUMBER, (_RECORD,))}),
@@ -267,6 +282,7 @@ RESULT = Group(
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,
         "estimates": ESTIMATES,
+        "sensitivity": SENSITIVITY,
     },
     {
         "format": Attribute(TEXT),

@@ -7,6 +7,7 @@ from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
+from .ends_over_time import ENDS_OVER_TIME
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
@@ -36,5 +37,6 @@ __all__ = [
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *MEASUREMENTS, *FUNCTIONS),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
+    *MEASUREMENTS,
 ]

@@ -15,6 +15,7 @@ Parameters on their bounds are taken as known.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,9 +60,12 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     """
     problem = transcription.problem
     measured = [own for phase in problem.phases for own in phase.measured]
-    if not measured or not problem.parameters:
+    times = {name for phase in problem.phases for name in phase.time_parameters}
+    wanted = [i for i, own in enumerate(problem.parameters) if own.name not in times]
+    if not measured or not wanted:
         return None
-    values = outcome.z[transcription.parameters]
+    places = transcription.parameters[wanted]
+    values, names = outcome.z[places], tuple(problem.parameters[i].name for i in wanted)
     count = int(sum((own.weights > 0).sum() for own in measured))
     residuals, given = nlp.measured.objective(outcome.z), all(own.exact for own in measured)  # type: ignore[attr-defined]
     acting = _Acting(transcription, nlp, outcome)
@@ -76,9 +80,8 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
             f"{count} measurements leave nothing over for {free} unknowns to tell how exact they are: give deviations:"
         )
     else:
-        covariance, why_not = acting.covariance(values)
+        covariance, why_not = acting.covariance(places, names)
         covariance = covariance * scale**2
-    names = tuple(own.name for own in problem.parameters)
     deviations = none if why_not else np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(deviations, deviations)
@@ -90,7 +93,7 @@ class _Acting:
     """The unknowns that no bound holds, and the constraints that act."""
 
     def __init__(self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> None:
-        self.transcription, self.nlp, self.outcome = transcription, nlp, outcome
+        self.nlp, self.outcome = nlp, outcome
         _, lower, upper = bounded_start(transcription)
         z = outcome.z
         held = (lower == upper) | (outcome.z_lower > z - lower) | (outcome.z_upper > upper - z)
@@ -101,8 +104,9 @@ class _Acting:
         measured = (own for phase in transcription.problem.phases for own in phase.measured)
         self.size = float(sum((own.weights * own.values**2).sum() for own in measured))
 
-    def covariance(self, values: np.ndarray) -> tuple[np.ndarray, str]:
-        """2 Z_p, shape (P, P), NaN for parameters on their bounds; and why there is none, or ""."""
+    def covariance(self, parameters: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, str]:
+        """2 Z_p, shape (P, P), of parameters at these places, (P,); NaN for those on their bounds; and why there is
+        none, or ""."""
         from scipy.sparse import bmat, coo_matrix
         from scipy.sparse.linalg import splu
 
@@ -113,20 +117,20 @@ class _Acting:
         H.setdiag(lower.diagonal())
         A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows][:, self.moving]
         KKT = bmat([[H.tocsr()[self.moving][:, self.moving], A.T], [A, None]], format="csc")
-        own = np.flatnonzero(np.isin(self.transcription.parameters, self.moving))
-        places = np.searchsorted(self.moving, self.transcription.parameters[own])
+        own = np.flatnonzero(np.isin(parameters, self.moving)).tolist()
+        places = np.searchsorted(self.moving, parameters[own])
         right = np.zeros((KKT.shape[0], len(own)))
         right[places, np.arange(len(own))] = 1.0
-        found = np.full((len(values), len(values)), np.nan)
-        names = [self.transcription.problem.parameters[i].name for i in own]
+        found = np.full((len(parameters), len(parameters)), np.nan)
+        undetermined = f"the measurements do not determine {', '.join(names[i] for i in own)}: the reduced Hessian"
         try:
             part = splu(KKT).solve(right)[places]
         except RuntimeError:  # exactly singular
-            return found, f"the measurements do not determine {', '.join(names)}: the reduced Hessian is singular"
+            return found, f"{undetermined} is singular"
         part = part + part.T  # 2 Z, symmetric
-        size = 1 + np.abs(values[own])
+        size = 1 + np.abs(z[parameters[own]])
         scaled = np.linalg.eigvalsh(part / np.outer(size, size)) if np.isfinite(part).all() else np.array([np.nan])
         if not scaled.min(initial=1.0) > 0 or scaled.max(initial=0.0) * SINGULAR * self.size > 1:
-            return found, f"the measurements do not determine {', '.join(names)}: the reduced Hessian is not positive"
+            return found, f"{undetermined} is not positive"
         found[np.ix_(own, own)] = part
         return found, ""
