@@ -39,6 +39,7 @@ from ..transcription.solution.objective_error import NOT_UNIQUE, ObjectiveError,
 from ..transcription.solution.trajectory import Trajectory
 from .audit.check import ENGINE, Check
 from .audit.junctions import junctions, links
+from .audit.measured import jumps_of_costates
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
 from .audit.starts import starts
@@ -95,6 +96,7 @@ def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold
         yield Check("optimality", 0.0, 0.0, f"not looked at: {NOT_UNIQUE}")
     elif trajectory.costate is not None:
         yield from optimality(result, number, claimed, tolerance)
+        yield from jumps_of_costates(result, number, tolerance)
     else:
         yield Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates")
 
