@@ -94,11 +94,12 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
 
 def _relaxed(spec: Spec) -> dict[str, list[float]]:
     """What each complementarity that is relaxed step by step goes through."""
-    owners = {"": spec, **{f"phases.{name}.": phase for name, phase in spec.phases.items()}}
+    owners = {"": spec.complementarity}
+    owners |= {f"phases.{name}.": phase.complementarity for name, phase in spec.phases.items()}
     return {
         f"{where}complementarity.{i}.{RELAX}": list(pair.relax)
-        for where, owner in owners.items()
-        for i, pair in enumerate(owner.complementarity)
+        for where, pairs in owners.items()
+        for i, pair in enumerate(pairs)
         if len(pair.relax) > 1
     }
 
