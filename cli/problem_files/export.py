@@ -35,10 +35,11 @@ def export(
     from ...transcription.export.export import check_format
     from ...transcription.export.export import export as write
     from ...transcription.settings import schedule_of
+    from ...transcription.solve import meshes_of
 
     check_format(output)
     problem = build(spec)
     with located(spec):
-        paths = write(problem, [step.mesh() for step in schedule_of(spec)[-1]], output, force)
+        paths = write(problem, meshes_of(problem, schedule_of(spec)[-1]), output, force)
     for path in paths:
         print(path)

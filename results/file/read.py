@@ -14,8 +14,9 @@ from ...problems.problem import Phase, Problem, Range
 from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
+from .layout import SOLVER
 
-if TYPE_CHECKING:  # it needs pydantic
+if TYPE_CHECKING:
     from ...problems.schema.spec import Spec
 
 CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
@@ -34,6 +35,21 @@ class Curve:
 
 @short_repr
 @dataclass(frozen=True)
+class MeasuredPoints:
+    """Measurements of one quantity: what it is compared with, its unit, and (M,) times, values, deviations, and the
+    solution there."""
+
+    name: str
+    expression: str
+    unit: str
+    time: np.ndarray
+    value: np.ndarray
+    deviation: np.ndarray
+    model: np.ndarray
+
+
+@short_repr
+@dataclass(frozen=True)
 class PhaseCurves:
     """One phase of a result.
 
@@ -41,7 +57,7 @@ class PhaseCurves:
     curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
-    objective; empty where there is none.
+    objective; empty where there is none. measured: the measurements, quantity by quantity.
     """
 
     name: str
@@ -55,6 +71,7 @@ class PhaseCurves:
     parameters: Mapping[str, float]
     relative: np.ndarray = field(default_factory=lambda: np.empty(0))
     shares: np.ndarray = field(default_factory=lambda: np.empty(0))
+    measured: tuple[MeasuredPoints, ...] = ()
 
     @property
     def at_knot(self) -> np.ndarray:
@@ -101,6 +118,8 @@ class Result:
 
     objective_error: the error bar of the objective, NaN where there is none; `objective_error_missing` then says why.
     inaccurate: why a solved result is not as accurate as was asked; "" where nothing is wrong.
+    text: of the problem file; overrides: the paths that the command line changed. iterations: quantity -> its value at
+    each record of the solver, (R,). options: what the solver was told, and its seconds by part.
     """
 
     path: Path
@@ -114,6 +133,10 @@ class Result:
     meshes: tuple[StoredMesh, ...]
     inaccurate: str
     spec: Mapping[str, Any] = field(repr=False)
+    text: str = ""
+    overrides: tuple[str, ...] = ()
+    iterations: Mapping[str, np.ndarray] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def names(self, kind: str) -> list[str]:
         """The names of all curves of a kind, in the order of the problem file."""
@@ -128,24 +151,27 @@ class Result:
         """ "solved", "solved, tolerance missed" or "not solved"."""
         return "not solved" if not self.solved else "solved, tolerance missed" if self.inaccurate else "solved"
 
-    @property
-    def stored_spec(self) -> Spec:
-        """The problem file, checked anew. Raises FileError if this version of trajopt cannot read it."""
+    def stated(self) -> tuple[Spec, Problem]:
+        """The problem file that was solved, and the problem that it states.
+
+        Raises FileError if this version of trajopt cannot read it.
+        """
+        from ...problems.build import build
         from ...problems.load import load_stored
 
-        return load_stored(self.spec, str(self.path))
+        spec = load_stored(self.spec, str(self.path))
+        return spec, build(spec)
 
     def build(self) -> tuple[Problem, dict[str, float]]:
         """The problem that was solved, and the numbers of its parameters, fixed and optimised.
 
         Raises FileError if this version of trajopt cannot read the problem.
         """
-        from ...problems.build import build
         from ...problems.language.plain import shared_in_plain
         from ...problems.names.symbols import Symbols
 
-        spec = self.stored_spec
-        return build(spec), {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
+        spec, problem = self.stated()
+        return problem, {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
 
 
 def read(path: Path) -> Result:
@@ -163,6 +189,10 @@ def read(path: Path) -> Result:
             inaccurate=accuracy_of(file),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
+            text=file["spec/text"].asstr()[()],
+            overrides=tuple(file["spec"].attrs["overrides"]),
+            iterations={name: values[:] for name, values in file["solver/iterations"].items()},
+            options={name: value for name, value in file["solver"].attrs.items() if name not in SOLVER.attributes},
         )
 
 
@@ -200,7 +230,13 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
         relative=group["error"].get("relative", empty)[:],
         shares=group["error"].get("objective", empty)[:],
+        measured=tuple(_measured(name, own) for name, own in group.get("measured", {}).items()),
     )
+
+
+def _measured(name: str, group: h5py.Group) -> MeasuredPoints:
+    arrays = (group[key][:] for key in ("time", "value", "deviation", "model"))
+    return MeasuredPoints(name, printable(group.attrs["expression"]), unit_of(group["value"]), *arrays)
 
 
 def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:

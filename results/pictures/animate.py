@@ -81,7 +81,7 @@ class Scene:
 
 def scene(result: Result) -> Scene:
     """Raises SpecError if the problem has no drawing, or the result no finite values to draw."""
-    drawings = drawings_of(result.stored_spec)
+    drawings = drawings_of(result.stated()[0])
     _, parameters = result.build()
 
     def at(times: np.ndarray) -> list[Pose]:
@@ -96,15 +96,15 @@ def scene(result: Result) -> Scene:
     if not all(np.isfinite(dense).all() for dense in curves):
         raise SpecError(Mistake(str(result.path), "the trajectory is not finite", "look at it with 'trajopt show'"))
     poses = at(times)
-    corners = np.concatenate([_corners(shape) for pose in poses for shape in pose.shapes])
-    if not np.isfinite(corners).any(axis=0).all():
+    places = np.concatenate([corners(shape) for pose in poses for shape in pose.shapes])
+    if not np.isfinite(places).any(axis=0).all():
         raise SpecError(Mistake(str(result.path), "its drawing has no finite place", "look at drawing: in its file"))
     traces = {
         i: np.array([_middle(pose.shapes[i]) for pose in poses])
         for i in range(len(poses[0].shapes))
         if any(getattr(pose.shapes[i], "trace", "") for pose in poses)
     }
-    return Scene(result, at, times, np.array([np.nanmin(corners, axis=0), np.nanmax(corners, axis=0)]), traces)
+    return Scene(result, at, times, np.array([np.nanmin(places, axis=0), np.nanmax(places, axis=0)]), traces)
 
 
 def _middle(shape: Shape) -> tuple[float, float]:
@@ -124,8 +124,8 @@ def _values(phase: PhaseCurves, t: float) -> dict[str, float]:
     return {name: float(row[0]) for kind in SHOWN for name, row in phase.values(kind, at).items()}
 
 
-def _corners(shape: Shape) -> np.ndarray:
-    """Points (K, 2) whose hull holds the shape."""
+def corners(shape: Shape) -> np.ndarray:
+    """Points (K, 2) whose hull holds the shape; of the ground, which has no ends, the height alone."""
     match shape:
         case Polyline(points=points):
             return np.array(points)

@@ -142,7 +142,7 @@ def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure
         ax.yaxis.set_major_formatter(Numbers())
         if units[0] == units[1] != "":
             view = np.array([ax.get_xlim(), ax.get_ylim()])
-            for shape in obstacles_of(results[0].stored_spec):
+            for shape in obstacles_of(results[0].stated()[0]):
                 paint(ax, shape, layer=1)
             ax.update_datalim(view.T)
             ax.autoscale_view()

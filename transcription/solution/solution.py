@@ -9,6 +9,7 @@ from functools import cached_property
 from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
+from ..measured.estimates import Estimates
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
@@ -78,7 +79,8 @@ class Solution:
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
-    the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`.
+    the history does not tell: other starts, discarded meshes, the way. sensitive: computes
+    `sensitivities`. estimates: of the static parameters, where something is measured.
     """
 
     problem: Problem
@@ -99,6 +101,7 @@ class Solution:
     continuation: tuple[ContinuationStep, ...] = ()
     discarded: tuple[MeshRecord, ...] = ()
     elsewhere: float = 0.0
+    estimates: Estimates | None = None
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
 
     @cached_property
