@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Name, Node, Operation, leaves, nodes
+from ..expressions.tree import Chain, Lookup, Name, Node, Operation, leaves, nodes
+from ..models import find_model
 from ..names.occurrences import constraints, uses
-from ..names.symbols import Symbols
+from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 
@@ -120,3 +121,34 @@ def _summed(node: Node) -> Iterator[str]:
     elif isinstance(node, Chain) and all(link.symbol in "+-" for link in node.links):
         for part in (node.first, *(link.operand for link in node.links)):
             yield from _summed(part)
+
+
+# What should stand in some expression: its role, and the section that declares it.
+_USED = {
+    "parameter": "parameters",
+    "expression": "expressions",
+    CONTROL: "controls",
+    ALGEBRAIC: "algebraic",
+    "static parameter": "optimize",
+    TABLE: "tables",
+}
+
+
+def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator[Finding]:
+    """A warning for each name that no expression uses.
+
+    spec: without mistakes, its functions written out.
+    symbols: of it.
+    called: keys of the functions that it called before.
+    """
+    used = [node for use in uses(spec) for node in nodes(use.expression.root)]
+    named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
+    if spec.model:
+        model = find_model(spec.model)
+        named |= {*model.parameters, *model.controls, *model.algebraic}
+    outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
+    outputs = {name for name in outputs if "(" not in name}.union(called)
+    for name, role in symbols.roles.items():
+        if role in _USED and name not in named | outputs:
+            what = f"the {role} {name} is used nowhere"
+            yield Finding((_USED[role], name), what, "remove it, or use it in an expression")

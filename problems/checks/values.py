@@ -30,9 +30,8 @@ from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
 from .names import name_trouble, title_troubles
-from .odd import odd
+from .odd import odd, unused
 from .tables import beyond_tables
-from .unused import unused
 
 NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
