@@ -71,8 +71,8 @@ def _over_time(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
         if not isinstance(entry, dict) or not isinstance(file := entry.get("file"), str) or entry.get("data"):
             continue
         del entry["file"]
-        if of_result := result_as_guess(file):
-            yield Finding((*place, "file"), *of_result)
+        if key == "guess" and (of_result := result_as_guess(file)):
+            yield Finding((*place, key, "file"), *of_result)
             continue
         try:
             if folder is None:
