@@ -100,7 +100,8 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
                 yield Finding(place, f"there is no column {brief(column)}", did_you_mean(column, columns, listed))
             if isinstance(own, str) and own not in columns:
                 yield Finding(place, f"there is no column {brief(own)}", did_you_mean(own, columns, listed))
-    if not entry.compare and not compared(entry, symbols) and not symbols.findings:
+    declared = any(symbols.roles.get(column) == "expression" for column in columns)  # and is mistaken itself
+    if not entry.compare and not compared(entry, symbols) and not declared:
         known = [state.name for state in symbols.states]
         remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {known[0]}}}")
         yield Finding(_place(entry, path), f"no column is named as a state: {', '.join(map(brief, columns))}", remedy)
