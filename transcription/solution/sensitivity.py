@@ -149,9 +149,12 @@ class _Program:
         p = dict(zip((own.name for own in self.problem.parameters), self.outcome.z[self.transcription.parameters],
                      strict=True))  # fmt: skip
         for own in layout.phase.measured:
-            for name in own.function.constants if isinstance(own.function, Expression) else ():
+            function = own.function
+            if not isinstance(function, Expression):
+                continue
+            for name in function.constants:
                 squares = partial(squares_with, layout, own, self.outcome.z, p, name)
-                number = own.function.parameters[name]
+                number = function.parameters[name]
                 self.sums.add(number, difference(squares, number, self.rounding))
 
     def _lagrangian(self, number: Number, value: float) -> float:
