@@ -39,9 +39,16 @@ _OPTION_FILE = "option_file_name"
 OptionCheck = Callable[[str, Mapping[str, Any]], Sequence[Mistake]]
 """(engine, options) -> what the engine does not take, each mistake at solver.NAME."""
 
+MoreChecks = Callable[[Spec], tuple[list[Finding], list[Finding]]]
+"""A spec, in which other mistakes may be left -> mistakes and warnings that only some ask for."""
+
 
 def load(
-    source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = (), options: OptionCheck | None = None
+    source: Path,
+    overrides: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    options: OptionCheck | None = None,
+    more: MoreChecks | None = None,
 ) -> Spec:
     """The spec of a problem file.
 
@@ -50,13 +57,14 @@ def load(
         as if they stood in the file.
     methods: the names that a mesh entry may give; none means any.
     options: asked about the options of the engine, which only the engine knows; None asks nobody.
+    more: asked about the whole file, such as `units.check.check_units`; None asks nobody.
 
     What is odd but not wrong is in `spec.warnings`.
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
     source = Path(source)
-    return load_text(_read(source), str(source), overrides, methods, options, source.parent)
+    return load_text(_read(source), str(source), overrides, methods, options, source.parent, more)
 
 
 def load_text(
@@ -66,12 +74,13 @@ def load_text(
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
     folder: Path | None = None,
+    more: MoreChecks | None = None,
 ) -> Spec:
     """As `load`, from a text.
 
     text: YAML.
     file: the name used in messages; without its suffix, the name of a problem that gives none.
-    overrides, methods, options: as `load` takes them.
+    overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
@@ -103,12 +112,21 @@ def load_text(
         spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
+        found = messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = check_spec(spec, whole=not early)
+    errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
+    """The mistakes and warnings of `check_spec` and of more checks, which need phases without mistakes."""
+    errors, warnings = check_spec(spec, whole)
+    if more is not None and not (errors and (spec.phases or spec.waypoints)):
+        own, odd = more(spec)
+        errors, warnings = errors + own, warnings + odd
+    return errors, warnings
 
 
 def _missing(data: dict[str, Any]) -> list[Finding]:

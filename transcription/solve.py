@@ -20,8 +20,9 @@ from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
+from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
-from .transcribe import refused
+from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -223,7 +224,8 @@ class _Loop:
         meshes = (*self.history[:-1], solution.meshes[-1])
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
-        return replace(solution, accept=self.settings.accept)
+        sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
+        return replace(solution, accept=self.settings.accept, sensitive=sensitive)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

@@ -22,7 +22,7 @@ def check(files: Files, *, set_: Set = None, quiet: Quiet = False) -> None:
 
     Example: trajopt check my_problem.yaml
     """
-    specs = load_all(files, overrides(set_), piped_text(files))
+    specs = load_all(files, overrides(set_), piped_text(files), units=True)
     build_checked(specs)
     for spec in specs if not quiet else ():
         for warning in spec.warnings:

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, leaves, nodes
-from ..language.functions import called_functions, written_out
+from ..language.functions import called_functions
+from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
 from ..names.variables import states
 from ..phases.between import Between
@@ -22,7 +23,7 @@ from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .keyframes import uneven, unordered
+from .guesses import computed_guess, misnamed, uneven, unordered
 from .names import check_names, name_trouble
 from .values import NO_STATES, check_phase
 
@@ -40,7 +41,8 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         if spec.links:
             what = "there are links, but no phases to link"
             return [Finding(("links",), what, "add phases:, or write the conditions under constraints.boundary")], []
-        return check_phase(spec, whole)
+        found, warned = check_phase(spec, whole)
+        return found + (list(computed_guess(spec)) if whole and not found else []), warned
     errors = list(_structure(spec))
     if errors:
         return errors, []
@@ -61,7 +63,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
     called = called_functions(spec)
-    spec, mistaken_calls = written_out(spec)
+    spec, mistaken_calls = shared_in_plain(spec)
     between = Between(symbols, Symbols(spec))
     connected = [
         *_calls(mistaken_calls),
@@ -72,6 +74,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     ]
     if whole and not errors and not connected:
         connected += [*_passages(spec, own, symbols), *_objective(spec, own), *_ranges(spec, between)]
+        connected += computed_guess(spec) if not connected else []
     return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings, called)]
 
 
@@ -147,18 +150,16 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
 
 
 def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
-    """Keyframes of the whole trajectory: of one length, of names that some phase has, at times that increase."""
-    frames = spec.guess.keyframes
+    """What the guess says of the whole trajectory: names that some phase has, keyframes that fit together."""
+    guess = spec.guess
     known = [v.name for own in between.phases.values() for v in (*own.states, *own.controls, *own.algebraic)]
-    for name, row in frames.items():
-        path: Path = ("guess", "keyframes", name)
-        if name not in known and name != "time":
-            remedy = did_you_mean(name, known, "name a state, a control or an algebraic variable of a phase")
-            yield Finding(path, f"{brief(name)} is not a state or a control of any phase", remedy)
+    whole = guess.model_copy(update={"constants": {}, "formulas": {}})  # these are of every phase
+    yield from misnamed(whole, known, "a state or a control of any phase")
+    for name, row in guess.keyframes.items():
         for i, value in enumerate(row):
-            yield from between.findings((*path, i), value, constant=True)
-    yield from uneven(frames)
-    times = [between.shared.number(value, 0.0) for value in frames.get("time", ()) if not between.unsound(value)]
+            yield from between.findings(("guess", "keyframes", name, i), value, constant=True)
+    yield from uneven(guess)
+    times = [between.shared.number(v, 0.0) for v in guess.keyframes.get("time", ()) if not between.unsound(v)]
     yield from unordered(times)
 
 

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
 from ..expressions.tree import Chain, Link, Number
-from ..language.functions import written_out
+from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.fields import Entry
 from ..schema.phases import PhaseEntry
@@ -30,7 +30,8 @@ _NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
-    return {name: written_out(own)[0] for name, own in phases_as_written(spec).items()}
+    own = phases_as_written(spec)
+    return {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
 
 
 def phases_as_written(spec: Spec) -> dict[str, Spec]:
@@ -147,7 +148,7 @@ def _merged(
             "constraints": constraints,
             "objective": _objective(spec.objective, own.objective),
             "residuals": spec.residuals if own.residuals is None else own.residuals,
-            "guess": own.guess or GuessEntry(constants=spec.guess.constants),
+            "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
             "phases": {},
             "links": [],
@@ -199,6 +200,11 @@ def _objective(shared: Objective, own: Objective | None) -> Objective:
     terms = Terms.model_construct(integral=integral, terminal=own.terms.terminal if own else None)
     maximize = shared.sense == "maximize"
     return Objective.model_construct(minimize=None if maximize else terms, maximize=terms if maximize else None)
+
+
+def _at_all_times(guess: GuessEntry) -> GuessEntry:
+    """What the guess of the top level says of every phase; its keyframes and data are about the whole trajectory."""
+    return GuessEntry(constants=guess.constants, formulas=guess.formulas, simulate=guess.simulate)
 
 
 def _time(spec: Spec, entries: Mapping[str, PhaseEntry], name: str, previous: Spec | None, last: bool) -> Time:

@@ -59,7 +59,7 @@ SOLVERS = [
         newton(f"bounds for Newton, {path}", given, f"{given} ", path, "the Newton engine takes ")
         for path, given in (
             ("states.x.lower", "x: {unit: m,"),
-            ("controls.u.lower", "u: {unit: N,"),
+            ("controls.u.lower", "u: {note: force,"),
             ("optimize.c.lower", "c: {lower: 0.1,"),
             ("constraints.path.0", "- {name: speed limit,"),
             ("constraints.integral.0", "- {expression: power,"),

@@ -93,7 +93,13 @@ KEYS = [
         "time.final",
         "add for example final: 1, or {lower: 0.5, upper: 3}",
     ),
-    edit("controls as lists", "u: {unit: N, lower: -u_max, upper: u_max}", "u: [1, 2]", "controls.u", "a mapping, not"),
+    edit(
+        "controls as lists",
+        "u: {note: force, lower: -u_max, upper: u_max}",
+        "u: [1, 2]",
+        "controls.u",
+        "a mapping, not",
+    ),
     edit(
         "an objective as a number",
         "{minimize: " + TERMS + "}",
@@ -108,9 +114,9 @@ KEYS = [
 
 STRANGE = [
     edit("NUL in a name", "a good file", '"a\\0b"', "name", r"the character '\x00', which cannot be printed"),
-    edit("NUL in a unit", "{unit: N,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
-    edit("an escape", "{unit: N,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
-    edit("DEL in a note", "{unit: N,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
+    edit("NUL in a unit", "{note: force,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
+    edit("an escape", "{note: force,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
+    edit("DEL in a note", "{note: force,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
 ]
 
 NUMBERS = [
