@@ -50,12 +50,12 @@ def bang_bang():
 @pytest.fixture(scope="module")
 def damped(bang_bang):
     damping = Damping((Rough("main", "u", 0.0, 1.0, 2.0),), strength=0.3, size=2.0)
-    return damping, damping.of(bang_bang.nlp, bang_bang.transcription)
+    return damping.of(bang_bang.nlp, bang_bang.transcription)
 
 
 def test_a_straight_control_costs_nothing_and_an_oscillation_what_the_formula_says(bang_bang, damped):
     (layout,) = bang_bang.transcription.phases
-    damping, program = damped
+    program = damped
     known = layout.u[0] >= 0
     z, tau = np.zeros(bang_bang.nlp.n), layout.mesh.fractions[known]
     z[layout.u[0, known]] = 0.3 - 0.7 * tau
@@ -66,21 +66,23 @@ def test_a_straight_control_costs_nothing_and_an_oscillation_what_the_formula_sa
 
 
 def test_derivatives_of_the_damped_program(bang_bang, damped):
-    program, n = damped[1], bang_bang.nlp.n
+    program, own, n = damped, bang_bang.nlp, bang_bang.nlp.n
     rng = np.random.default_rng(1)
     z, y = bang_bang.outcome.z + 0.1 * rng.random(n), rng.random(bang_bang.nlp.m)
     step = 1e-6 * np.eye(n)
     slopes = [(program.objective(z + e) - program.objective(z - e)) / 2e-6 for e in step]
     assert program.gradient(z) == pytest.approx(np.array(slopes), abs=1e-7)
-    H = np.zeros((2, n, n))
-    for at, own in zip(H, (program, bang_bang.nlp), strict=True):
-        rows, columns = own.hessianstructure()
+    added = np.zeros((n, n))
+    for sign, one in ((1, program), (-1, own)):
+        rows, columns = one.hessianstructure()
         assert (rows >= columns).all()
-        np.add.at(at, (rows, columns), own.hessian(z, y, 0.7))
-        at += np.tril(at, -1).T
-    term = [(program.gradient(z + e) - bang_bang.nlp.gradient(z + e)) - (program.gradient(z) - bang_bang.nlp.gradient(z))
-            for e in step]  # fmt: skip
-    assert H[0] - H[1] == pytest.approx(0.7 * np.array(term) / 1e-6, abs=1e-6)
+        np.add.at(added, (rows, columns), sign * one.hessian(z, y, 0.7))
+
+    def gradient(z):
+        return program.gradient(z) - own.gradient(z)
+
+    term = np.array([(gradient(z + e) - gradient(z)) / 1e-6 for e in step])
+    assert added + np.tril(added, -1).T == pytest.approx(0.7 * term, abs=1e-6)
 
 
 def test_what_turns_at_every_point_chatters_and_what_jumps_does_not(bang_bang):

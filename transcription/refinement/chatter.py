@@ -27,12 +27,12 @@ from ...problems.problem import Variable
 from ...problems.text import short_repr
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from ..program.damped import Damped
 from ..solution.trajectory import Trajectory
 from ..solution.violation import of_phase
+from .damped import Damped
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
-TURNS = 6  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
+TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
 NEAR = 2  # points from one turn to the next, at most
 STRENGTH = 1e-2
 WEAKER = 0.1

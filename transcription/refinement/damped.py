@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...problems.text import short_repr
-from .contract import NonlinearProgram
+from ..program.contract import NonlinearProgram
 
 PAIRS = tuple((i, j) for i in range(3) for j in range(i + 1))
 """The nonzeros of the lower triangle of what one row of D adds to the Hessian."""
