@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..text import brief
+from ..wishes.values import result_as_guess
 from ..yaml.document import Path as Place
 from ..yaml.locations import Finding
 from .columns import ColumnsError, Trouble
@@ -62,6 +63,9 @@ def _guesses(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
         if not isinstance(file, str) or entry.get("data") is not None:
             continue
         del entry["file"]
+        if of_result := result_as_guess(file):
+            yield Finding((*place, "file"), *of_result)
+            continue
         try:
             if folder is None:
                 raise ColumnsError([NO_FOLDER_OF_SERIES])
