@@ -8,13 +8,14 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 
-import numpy as np
-
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
+from .measured.estimates import estimates
+from .measured.knots import measured_fractions, with_knots
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
+from .refinement.basin import left_basin, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
@@ -37,9 +38,6 @@ ENGINE_SHARE, FINEST = 0.01, 1e-11
 GAP_SHARE, DAMPING_SHARE = 1e-3, 0.1
 """Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave, and what the damping of
 controls that chatter may be worth."""
-
-UNTRUE = 10.0
-"""Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -68,7 +66,18 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
 
 def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
     own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
-    return problem, [one.mesh() for one in own], min(one.tolerance for one in own)
+    return problem, meshes_of(problem, own), min(one.tolerance for one in own)
+
+
+def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
+    """The mesh of each phase, with knots at the times of its measurements.
+
+    problem: of any number of phases.
+    steps: one for each.
+    """
+    return [
+        with_knots(step.mesh(), measured_fractions(phase)) for step, phase in zip(steps, problem.phases, strict=True)
+    ]
 
 
 def solve(
@@ -200,7 +209,7 @@ class _Loop:
     def _refine(self, number: int, found: Found, refine: Refine) -> None:
         """Add the next mesh, if there is to be one, and say what is not good enough."""
         solution = found[0]
-        if why_not := _unmeasurable(solution):
+        if why_not := unmeasurable(solution):
             self.stopped = why_not
             return
         merge = number + 1 - self.scheduled <= MERGING_MESHES
@@ -225,7 +234,9 @@ class _Loop:
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
         sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
-        return replace(solution, accept=self.settings.accept, sensitive=sensitive)
+        solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
+        found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
+        return replace(solution, estimates=found)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
@@ -243,27 +254,6 @@ def _why_stopped(mesh: MeshRecord) -> str:
     """Why a mesh that was not solved has no solution."""
     what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
     return f"the next mesh, of {mesh.segments} segments, {what}"
-
-
-def left_basin(before: Solution, after: Solution) -> bool:
-    """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
-
-    Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
-    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
-    """
-    if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
-        return False
-    loss = before.problem.sense * (after.objective - before.objective)
-    untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
-    return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
-
-
-def _unmeasurable(solution: Solution) -> str:
-    """Why no refinement can help: residuals that do not determine the rates leave no error to measure; or ""."""
-    implicit = [e for t, e in zip(solution.trajectories, solution.errors, strict=True) if t.phase.algebraic]
-    if any(not np.isfinite(error.relative).any() for error in implicit):
-        return "the residuals do not determine the rates (index above 1), so the error cannot be estimated"
-    return ""
 
 
 def _asked(refine: Refine) -> float:
