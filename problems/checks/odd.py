@@ -7,6 +7,7 @@ from math import inf
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Chain, Lookup, Name, Node, Operation, leaves, nodes
+from ..measured import compared
 from ..models import find_model
 from ..names.occurrences import constraints, uses
 from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
@@ -146,6 +147,7 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     if spec.model:
         model = find_model(spec.model)
         named |= {*model.parameters, *model.controls, *model.algebraic}
+    named |= {column for entry in spec.measurements.values() for column in compared(entry, symbols)}
     outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
     outputs = {name for name in outputs if "(" not in name}.union(called)
     for name, role in symbols.roles.items():
