@@ -50,7 +50,6 @@ PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number 
 PANEL_HEIGHT = 1.25
 SMALL_LETTER = 0.05  # inches, of the names of phases
 MAX_NAME_ROWS, NAME_ROW = 4, 0.08  # of the names of phases, and their distance, part of the height of a panel
-NEAR = 1e-9  # of the duration
 
 
 def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
