@@ -99,7 +99,7 @@ def _acts_without_bound(root: Node, name: str) -> bool:
 def _degrees(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Angles in degrees that stand as they are under sin, cos and the like."""
     variables = (*symbols.states, *symbols.controls, *symbols.algebraic)
-    angles = {own.name: own.path for own in variables if own.entry is not None and own.entry.unit.strip() in DEGREES}
+    angles = {own.name: own.path for own in variables if _unit(own.entry) in DEGREES}
     angles |= {name: ("parameters", name) for name, own in spec.parameters.items() if own.unit.strip() in DEGREES}
     told = set()
     for use in uses(spec):
@@ -111,6 +111,10 @@ def _degrees(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
                     told.add(name)
                     what = f"{name} has the unit deg, but {node.symbol}({name}) takes it as radians"
                     yield Finding((*angles[name], "unit"), what, f"write {node.symbol}(pi/180*{name}), or unit: rad")
+
+
+def _unit(entry: object) -> str:
+    return str(getattr(entry, "unit", "")).strip()
 
 
 def _summed(node: Node) -> Iterator[str]:
