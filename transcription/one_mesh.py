@@ -15,8 +15,10 @@ from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .failure.diagnose import diagnose
 from .layout import Transcription, bounded_start
+from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
+from .refinement.chatter import UNDAMPED, Damping
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -88,10 +90,14 @@ class Watch:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any."""
+    """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any.
+
+    damping: of controls that chattered there.
+    """
 
     guess: Sequence[Curves] | None
     solved: Solved | None
+    damping: Damping = UNDAMPED
 
 
 def solve_mesh(
@@ -110,13 +116,13 @@ def solve_mesh(
     all if that leads to none. The solution's history tells of every solve.
     """
     run = partial(_run, problem, tolerance=tolerance, settings=settings)
-    coarse = _coarse(meshes) if settings.coarse_start and start.guess is None else None
+    coarse = _coarse(problem, meshes) if settings.coarse_start and start.guess is None else None
     if not coarse:
         return run(meshes, start=start, watch=watch)
     solution, solved = run(coarse, start=start, watch=watch)
     history = solution.meshes
     if solution.status.usable:
-        near = Origin(solution.trajectories, solved)
+        near = Origin(solution.trajectories, solved, start.damping)
         solution, solved = run(meshes, start=near, watch=watch.next(1))
         history += solution.meshes
     if not solution.status.usable and solution.status is not Status.INTERRUPTED:
@@ -125,12 +131,14 @@ def solve_mesh(
     return replace(solution, meshes=history), solved
 
 
-def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
+def _coarse(problem: Problem, meshes: Sequence[Mesh]) -> list[Mesh] | None:
     """The coarse meshes of large ones; None for others, and where some cannot be made coarse."""
     if sum(len(mesh.fractions) for mesh in meshes) <= LARGE:
         return None
     coarse = [coarsened for mesh in meshes if (coarsened := mesh.coarsened(COARSE))]
-    return coarse if len(coarse) == len(meshes) else None
+    if len(coarse) < len(meshes):
+        return None
+    return [with_knots(mesh, measured_fractions(phase)) for mesh, phase in zip(coarse, problem.phases, strict=True)]
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's
@@ -146,30 +154,42 @@ def _run(
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
+    damped = start.damping.of(nlp, transcription)
     outcome = engine_solve(settings.engine)(
-        nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
+        damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
     )
     clock.append(time.perf_counter())
-    return _measured(transcription, nlp, outcome, tolerance, clock)
+    return _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
 
 
 def _measured(
-    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, tolerance: float, clock: list[float]
+    transcription: Transcription,
+    nlp: NonlinearProgram,
+    outcome: Outcome,
+    damping: Damping,
+    tolerance: float,
+    clock: list[float],
 ) -> Found:
-    """The solution of an outcome; clock: as of `_seconds`, but for the last time."""
+    """The solution of an outcome; clock: as of `_seconds`, but for the last time.
+
+    The objective is that of the problem itself; what damping is worth is in the error bar.
+    """
+    if worth := damping.worth(nlp, transcription, outcome.z):
+        outcome = replace(outcome, objective=outcome.objective - worth)
     problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
     bar = objective_error(transcription, nlp, outcome, phases)
+    bar = replace(bar, bar=bar.bar + worth)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
     record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
         problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
     )
-    return solution, Solved(transcription, nlp, outcome, phases)
+    return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 
 
 @np.errstate(all="ignore")
@@ -198,12 +218,15 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
     scaling = None if settings.scaling is None else scale(solved.transcription, nlp, z, settings.scaling)
     start = Start(solved.outcome.y, solved.outcome.z_lower, solved.outcome.z_upper)
+    damped = solved.damping.of(nlp, solved.transcription)
     outcome = engine_solve(settings.engine)(
-        nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
+        damped or nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
     )
     if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
         return found
-    better, again = _measured(solved.transcription, nlp, outcome, tolerance, [began] * 3 + [time.perf_counter()])
+    better, again = _measured(
+        solved.transcription, nlp, outcome, solved.damping, tolerance, [began] * 3 + [time.perf_counter()]
+    )
     return replace(better, meshes=(*solution.meshes[:-1], added(solution.meshes[-1], better.meshes[-1]))), again
 
 
