@@ -93,9 +93,8 @@ def test_another_problem_is_told(results):
     paths = [results / name for name in ("fine.h5", "coarse.h5", "heavy.h5")]
     run = trajopt("compare", *paths)
     assert run.exit_code == 0
-    assert run.stderr == (
-        f"note: {paths[0]} and {paths[2]} are results of different problems: parameters.m1 is 1 and 2\n"
-    )
+    assert run.stderr == "note: these are results of different problems, which differ in parameters.m1\n"
+    assert [row.split()[1] for row in run.stdout.splitlines()] == ["parameters.m1", "1", "1", "2"]
     assert [row["other_problem"] for row in compare(paths)] == [{}, {}, {"parameters.m1": (1.0, 2.0)}]
     rows = [json.loads(line) for line in trajopt("compare", *paths, "--json").stdout.splitlines()]
     assert rows[2]["other_problem"] == {"parameters.m1": [1.0, 2.0]}
