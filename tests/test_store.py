@@ -27,7 +27,7 @@ from trajopt.transcription.engines.outcome import COLUMNS
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
 
-PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error"]
+PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error", "elsewhere"]
 
 
 def members(file: h5py.File) -> list[str]:
@@ -52,7 +52,7 @@ LAYOUT = [
     "phase/main/dense/time",
     "phase/main/error", "phase/main/error/eta", "phase/main/error/segment", "phase/main/error/state",
     "phase/main/error/relative", "phase/main/error/excess",
-    "phase/main/parameter", "phase/main/parameter/angle",
+    "phase/main/complementarity", "phase/main/parameter", "phase/main/parameter/angle",
     "mesh", "mesh/0", "mesh/0/edges",
     "solver", "solver/z", "solver/z_lower", "solver/z_upper", "solver/y", "solver/unknown", "solver/constraint",
     "sensitivity", *(f"sensitivity/{name}" for name in ("number", "value", "derivative", "unit", "note")),
