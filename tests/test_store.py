@@ -96,7 +96,7 @@ def documented_attributes() -> dict[str, list[str]]:
     """Group -> the attributes that the docstring names; what stands for many of them is replaced by examples."""
     text = re.sub(r"\([^)]*\)", "", "\n".join(drawn(store.__doc__)))
     found = re.findall(r"^(/\S*) (?:.|\n )*?attributes?: ((?:[^;\n]|\n )*)", text, flags=re.MULTILINE)
-    spelt = {"seconds_<part>": [f"seconds_{part}" for part in PARTS], "every option": ["tol"]}
+    spelt = {"seconds_<part>": [f"seconds_{part}" for part in PARTS[:-1]], "every option": ["tol"]}
     split = {group: re.split(r"\s*,\s+|\s+and\s+", names.strip()) for group, names in found}
     return {group: [name for entry in names for name in spelt.get(entry, [entry])] for group, names in split.items()}
 
