@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from .expressions.expression import Expression
 from .guess import finished, initial_guess
+from .guesses.delayed import with_delayed
 from .language.functions import written_out
+from .names.delays import DelayedState
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Symbols
 from .names.variables import Declared, DeclaredState
@@ -16,7 +18,7 @@ from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import phase_specs
 from .phases.order import own_entries, with_left_out
-from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
+from .problem import Constraint, Delayed, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.spec import Spec
 from .yaml.document import Path
 
@@ -42,6 +44,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
     )
+    phases = list(map(with_delayed, phases))
     slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
@@ -90,6 +93,7 @@ class _Builder:
             states=states,
             controls=controls,
             algebraic=algebraic,
+            delayed=tuple(map(self.delayed, symbols.delayed.values())),
             guess=initial_guess(
                 spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
             ),
@@ -151,6 +155,12 @@ class _Builder:
             assert equations is not None  # a state without an expression for its rate is a model's
             return equations.rates[state.name]
         return self.function(state.rate_path, state.rate)
+
+    def delayed(self, own: DelayedState) -> Delayed:
+        state = next(state for state in self.symbols.states if state.name == own.state)
+        assert state.entry.history is not None  # as checked
+        history = self.symbols.function(state.entry.history)
+        return Delayed(own.name, state.unit, state=own.state, lag=own.lag, history=history)
 
     def residuals(self) -> tuple[Constraint, ...]:
         names = residual_names(self.spec)

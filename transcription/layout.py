@@ -51,6 +51,8 @@ class Layout:
 
     owners: name of a Set of the model whose elements belong to segments each -> the segment of each element.
     explicit: name of the Set of the points at which states are variables and the dynamics are collocated, if any.
+    shared: name of a Set whose elements read states at a knot each -> the numbers of the knots, and the shares of the
+    elements that belong to the segments before and after it.
     """
 
     phase: Phase
@@ -60,6 +62,7 @@ class Layout:
     t: np.ndarray
     owners: Mapping[str, np.ndarray] = field(default_factory=dict)
     explicit: str = ""
+    shared: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
 def places(

@@ -15,6 +15,7 @@ import numpy as np
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
 from .collocation import kept, model
+from .collocation.delays import refused_by_collocation
 from .collocation.differences import refused_by_differences
 from .engines.outcome import Outcome
 from .layout import Transcription
@@ -44,7 +45,9 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
-    "collocation": lambda: MethodKind(_nothing_refused, model.by_model, model.compiled_model, costates, kept.program),
+    "collocation": lambda: MethodKind(
+        refused_by_collocation, model.by_model, model.compiled_model, costates, kept.program
+    ),
     "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates),
     "shooting": _shooting,
 }

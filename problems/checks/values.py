@@ -22,6 +22,7 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
+from .delays import delay_mistakes, idle_histories
 from .ends import impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
@@ -66,6 +67,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.static_guesses()
     checker.guess()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
+    checker.errors += delay_mistakes(spec, checker.symbols, phase == ALONE)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
@@ -76,6 +78,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
+        checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
+from ..expressions.delays import delay_of
 from ..expressions.expression import Expression, Fault
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
@@ -18,7 +19,8 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
+from .delays import delayed_states, no_delay
+from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -31,8 +33,9 @@ UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
 # Roles of names that have a value at every time.
 STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
+DELAYED = "state at an earlier time"
 TABLE = "table"
-VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
+VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT, DELAYED})
 
 
 def range_of(entry: Bounded, number: Callable[[Expression | None, float], float]) -> Range:
@@ -46,10 +49,11 @@ class Symbols:
     """Names and values of a spec.
 
     states, controls, algebraic: the variables, see variables.py. roles: name -> "parameter", "expression", "static
-    parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. equations:
-    those of the model, None without one. definitions: the expressions that others may refer to, each after those that
-    it refers to; `varying` are those that vary in time, `fixed` holds the numbers and the values of the expressions of
-    parameters alone. findings: mistakes met on the way; without them, all of these are complete.
+    parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. delayed: the
+    states at earlier times, by name. equations: those of the model, None without one. definitions: the expressions that
+    others may refer to, each after those that it refers to; `varying` are those that vary in time, `fixed` holds the
+    numbers and the values of the expressions of parameters alone. findings: mistakes met on the way; without them, all
+    of these are complete.
     """
 
     def __init__(self, spec: Spec):
@@ -81,9 +85,13 @@ class Symbols:
         self.equations: Equations | None = None
         self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
+        own = [use for use in uses(spec) if use.path[0] != "parameters"]
+        names = [state.name for state in self.states]
+        self.delayed = delayed_states(own, names, self.constant_value, self.findings)
+        self.roles |= dict.fromkeys(self.delayed, DELAYED)
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
-        self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
+        self._check_all_names(own)
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
     def sound(self, path: Path, expression: Expression) -> bool:
@@ -170,10 +178,15 @@ class Symbols:
     def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
-        if role is None:
+        delay = delay_of(name.name)
+        if delay and (role is None or context != TRAJECTORY):
+            found = no_delay(delay, self.roles, STATE)
+        elif role is None:
             found = self._unknown(name.name, context)
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
+        elif context == HISTORY:
+            found = _not_in_history(name.name, role)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
@@ -186,18 +199,8 @@ class Symbols:
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
                 f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
             )
-        elif context == BOUNDARY and name.end and role in ("parameter", "static parameter"):
-            found = f"{name.name} is a {role} and has only one value", f"write {name.name}"
-        elif context == BOUNDARY and role == RATE:
-            found = (
-                f"{name.name} has a value at every time, but this expression is about the two ends",
-                "name it under expressions:, and write [final] or [initial] after that name",
-            )
-        elif context == BOUNDARY and not name.end and role in VARYING:
-            found = (
-                f"{name.name} has a value at every time, but this expression is about the two ends",
-                f"write {name.name}[final] or {name.name}[initial]",
-            )
+        elif context == BOUNDARY:
+            found = _not_at_ends(name, role)
         return found
 
     def _unknown(self, name: str, context: str) -> tuple[str, str]:
@@ -290,6 +293,26 @@ def _external(name: str, function: Function, names: list[str]) -> Expression:
     """A function of a model as an expression."""
     span = 0, len(name)
     return Expression(name, External(*span, function, tuple(Name(*span, n, None) for n in names)))
+
+
+def _not_at_ends(name: Name, role: str) -> tuple[str, str] | None:
+    """What is wrong with a name in an expression about the two ends, and the remedy."""
+    over_time = f"{name.name} has a value at every time, but this expression is about the two ends"
+    if name.end and role in ("parameter", "static parameter"):
+        return f"{name.name} is a {role} and has only one value", f"write {name.name}"
+    if role == RATE:
+        return over_time, "name it under expressions:, and write [final] or [initial] after that name"
+    if not name.end and role in VARYING:
+        return over_time, f"write {name.name}[final] or {name.name}[initial]"
+    return None
+
+
+def _not_in_history(name: str, role: str) -> tuple[str, str] | None:
+    """What is wrong with a name in the history of a state, and the remedy."""
+    if role in ("parameter", "time", "unknown"):
+        return None
+    what = f"{name} is {with_article(role)}, and a history is known before the solution is"
+    return what, "write it as a number, or an expression of t and parameters"
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

@@ -23,6 +23,7 @@ from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder
+from .delays import no_delays
 from .place import Place, Values
 
 
@@ -33,6 +34,7 @@ def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterat
     phase: its states must be positions with a second derivative, and their velocities.
     mesh: must have two or more segments, all of one width.
     """
+    yield from no_delays(phase, "finite-difference")
     positions = {state.velocity_of for state in phase.states}
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
     if alone:

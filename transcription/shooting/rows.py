@@ -26,6 +26,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
+from ..collocation.delays import no_delays
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..layout import Family, Layout, Transcription, Unknown, places
 from ..schemes.mesh import Mesh
@@ -114,6 +115,7 @@ def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[
     phase: one with algebraic variables needs controls that are not constant on substeps.
     mesh: may not have more derivatives of stages than MAX_TANGENTS.
     """
+    yield from no_delays(phase, mesh.schemes[0].name)
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:
