@@ -8,7 +8,8 @@ from ..expressions.tree import Lookup, Name, nodes
 from ..models import find_model
 from ..names.delays import parameters_of
 from ..names.occurrences import uses
-from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
+from ..names.roles import ALGEBRAIC, CONTROL, TABLE
+from ..names.symbols import Symbols
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 

@@ -21,6 +21,19 @@ from . import lookups, variables
 from .circles import untangle
 from .delays import delayed_states, no_delay
 from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, TRAJECTORY, Use, uses
+from .roles import (
+    ALGEBRAIC,
+    CONTROL,
+    DELAYED,
+    OUTPUT,
+    RATE,
+    STATE,
+    TABLE,
+    VARYING,
+    not_at_ends,
+    not_in_history,
+    with_article,
+)
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -30,12 +43,6 @@ MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
-
-# Roles of names that have a value at every time.
-STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
-DELAYED = "state at an earlier time"
-TABLE = "table"
-VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT, DELAYED})
 
 
 def range_of(entry: Bounded, number: Callable[[Expression | None, float], float]) -> Range:
@@ -186,7 +193,7 @@ class Symbols:
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == HISTORY:
-            found = _not_in_history(name.name, role)
+            found = not_in_history(name.name, role)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
@@ -200,7 +207,7 @@ class Symbols:
                 f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
             )
         elif context == BOUNDARY:
-            found = _not_at_ends(name, role)
+            found = not_at_ends(name, role)
         return found
 
     def _unknown(self, name: str, context: str) -> tuple[str, str]:
@@ -284,35 +291,10 @@ class Symbols:
                 self.fixed[name] = self._constant(expression)
 
 
-def with_article(role: str) -> str:
-    """ "a state", "an expression"."""
-    return f"{'an' if role[0] in 'aeo' else 'a'} {role}"
-
-
 def _external(name: str, function: Function, names: list[str]) -> Expression:
     """A function of a model as an expression."""
     span = 0, len(name)
     return Expression(name, External(*span, function, tuple(Name(*span, n, None) for n in names)))
-
-
-def _not_at_ends(name: Name, role: str) -> tuple[str, str] | None:
-    """What is wrong with a name in an expression about the two ends, and the remedy."""
-    over_time = f"{name.name} has a value at every time, but this expression is about the two ends"
-    if name.end and role in ("parameter", "static parameter"):
-        return f"{name.name} is a {role} and has only one value", f"write {name.name}"
-    if role == RATE:
-        return over_time, "name it under expressions:, and write [final] or [initial] after that name"
-    if not name.end and role in VARYING:
-        return over_time, f"write {name.name}[final] or {name.name}[initial]"
-    return None
-
-
-def _not_in_history(name: str, role: str) -> tuple[str, str] | None:
-    """What is wrong with a name in the history of a state, and the remedy."""
-    if role in ("parameter", "time", "unknown"):
-        return None
-    what = f"{name} is {with_article(role)}, and a history is known before the solution is"
-    return what, "write it as a number, or an expression of t and parameters"
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

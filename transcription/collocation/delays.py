@@ -14,8 +14,8 @@ where there are n, of which sigma_0 is one, its slope at sigma_0 is the other co
 
 So the rows are linear in x but for one f, whatever the degree, and their derivatives are exact. The method keeps its
 order as long as x is smooth on each segment. The history does not end as the state begins, so at t_0 + k tau the state
-has a kink, in its derivative of order k + 1. A mesh with knots there keeps the order of the method (costates at knots:
-2 of trapezoid, 3 of Hermite-Simpson, else the method's, as measured); on others the objective has order 2 and costates 1.
+has a kink, in its derivative of order k + 1. A mesh with knots there keeps the order of the method (costates at knots
+that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the objective has order 2, and costates 1.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyomo.core as pyomo
@@ -36,9 +36,7 @@ from ..program.templates import item
 from ..schemes.mesh import Mesh
 from ..schemes.polynomials import lagrange_basis
 from ..schemes.scheme import Scheme, collocation_scheme
-
-if TYPE_CHECKING:
-    from .segments import CollocationBuilder
+from .builder import PhaseBuilder
 
 ALIGNED = 1e-12
 """Of the duration: a time this near to a knot, or to the initial time, is there."""
@@ -57,17 +55,6 @@ def refused_by_collocation(problem: Problem, phase: Phase, mesh: Mesh) -> Iterab
             f"{eliminated[0]} has no unknowns in the middle of a segment, where {phase.delayed[0].name} looks for them"
         )
         yield Mistake("mesh", what, "write hermite-simpson, or another collocation method")
-
-
-def no_delays(phase: Phase, method: str) -> Iterable[Mistake]:
-    """Why a phase is none for a method that takes no delays.
-
-    phase: refused if it has states at earlier times.
-    method: its name.
-    """
-    if phase.delayed:
-        what = f"{method} cannot take a state at an earlier time, and {phase.delayed[0].name} is one"
-        yield Mistake("mesh", what, "write a collocation method, such as hermite-simpson or radau")
 
 
 def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -151,7 +138,7 @@ def _shares(mesh: Mesh) -> np.ndarray:
     return shares
 
 
-def add_delays(builder: CollocationBuilder) -> None:
+def add_delays(builder: PhaseBuilder) -> None:
     """Add the rows of all states at earlier times."""
     times = builder.phase.initial_time.lower, builder.phase.final_time.lower  # both are given
     duration = times[1] - times[0]
@@ -164,7 +151,7 @@ def add_delays(builder: CollocationBuilder) -> None:
         _at_knots(builder, f"delay{number}_knot", own, rows.of(at_knot))
 
 
-def _history(builder: CollocationBuilder, number: int, own: Delayed, points: np.ndarray, t: np.ndarray) -> None:
+def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarray, t: np.ndarray) -> None:
     if not len(points):
         return
     name = f"history{number}"
@@ -177,7 +164,7 @@ def _history(builder: CollocationBuilder, number: int, own: Delayed, points: np.
     _add(builder, name, over, rule, own, points)
 
 
-def _interpolated(builder: CollocationBuilder, name: str, own: Delayed, rows: Rows, slope: bool = False) -> None:
+def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, slope: bool = False) -> None:
     if not len(rows.point):
         return
     mesh, width = builder.mesh, rows.A.shape[1]
@@ -187,20 +174,20 @@ def _interpolated(builder: CollocationBuilder, name: str, own: Delayed, rows: Ro
     point, first, bend = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
     # Row q of a table of W columns starts at W q: Pyomo is slower with two indices.
     A, node = (builder.data(f"{name}_{key}", None, own.ravel()) for key, own in (("A", rows.A), ("node", rows.node)))
-    state = next(state for state in builder.phase.states if state.name == own.state)
+    states = {state.name: state for state in builder.phase.states}
 
     def rule(block: Any, q: Any) -> Any:
         x = [item(A, width * q + j) * item(block.x, own.state, item(node, width * q + j)) for j in range(width)]
         value = sum(x)
         if slope:
-            f = state.rate(builder.at(item(first, q), builder.names), pyomo)
+            f = states[own.state].rate(builder.at(item(first, q), states), pyomo)
             value = value + builder.duration * item(bend, q) * f
         return item(block.z, own.name, item(point, q)) == value
 
     _add(builder, name, over, rule, own, rows.point)
 
 
-def _at_knots(builder: CollocationBuilder, name: str, own: Delayed, rows: Rows) -> None:
+def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
     """y_k == x at a knot, which belongs to both its segments, as y_k does."""
     if not len(rows.point):
         return
@@ -215,13 +202,13 @@ def _at_knots(builder: CollocationBuilder, name: str, own: Delayed, rows: Rows) 
     _add(builder, name, over, rule, own, rows.point)
 
 
-def _over(builder: CollocationBuilder, name: str, size: int) -> Any:
+def _over(builder: PhaseBuilder, name: str, size: int) -> Any:
     over = RangeSet(0, size - 1)
     builder.block.add_component(f"{name}_q", over)
     return over
 
 
-def _add(builder: CollocationBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
+def _add(builder: PhaseBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
     constraint = Constraint(over, rule=partial(rule))
     builder.block.add_component(name, constraint)
     times = builder.mesh.fractions[points]

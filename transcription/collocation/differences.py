@@ -20,10 +20,10 @@ from pyomo.core import RangeSet
 from ...problems.errors import Mistake
 from ...problems.problem import Curves, Phase, Problem, Range, State
 from ..constraint_kinds import DEFECT
+from ..method_kind import no_delays
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder
-from .delays import no_delays
 from .place import Place, Values
 
 

@@ -26,9 +26,9 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
-from ..collocation.delays import no_delays
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..layout import Family, Layout, Transcription, Unknown, places
+from ..method_kind import no_delays
 from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import shooting_scheme
 from .simulation import held
