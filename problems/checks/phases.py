@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, leaves, nodes
-from ..language.functions import called_functions, written_out
+from ..language.functions import called_functions
+from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
 from ..names.variables import states
 from ..phases.between import Between
@@ -62,7 +63,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
     called = called_functions(spec)
-    spec, mistaken_calls = written_out(spec)
+    spec, mistaken_calls = shared_in_plain(spec)
     between = Between(symbols, Symbols(spec))
     connected = [
         *_calls(mistaken_calls),

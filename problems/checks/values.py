@@ -9,7 +9,9 @@ from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
-from ..language.functions import called_functions, written_out
+from ..language.functions import called_functions
+from ..language.plain import in_plain
+from ..language.times import TimeParameter
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import Symbols, no_value
@@ -48,7 +50,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     if not spec.model and not spec.states:
         return [NO_STATES], []
     called = called_functions(spec)
-    spec, mistaken_calls = written_out(spec)
+    spec, mistaken_calls = in_plain(spec)
     checker = _Checker(spec)
     checker.errors += mistaken_calls
     checker.names()
@@ -109,7 +111,7 @@ class _Checker:
             for name in getattr(spec, group):
                 if group == "expressions" and set("()") & set(name):
                     self.function(name, first)
-                elif name not in own:
+                elif name not in own and not isinstance(spec.optimize.get(name), TimeParameter):
                     self.name((group, name), name, first)
         for state in self.symbols.states:
             if state.velocity_of:

@@ -18,6 +18,7 @@ from .functions import FUNCTIONS, may_hold_commas, smooth_names
 from .lacking import ALIASES, LACKING, at_another_time
 
 ENDS = ("initial", "final")
+DURATION = "duration"  # t[duration]: t[final] - t[initial]
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
 # `time` heads the keyframes of a guess, so no state may be called that.
 RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
@@ -249,10 +250,14 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     if before.category != "name":
         remedy = "write ( ) to group, and an end of time after each name in it: x[final]"
         _fail(text, bracket, after, "[ ] stands after a name only", remedy)
+    if inside == DURATION and before.text.rpartition(".")[2] == "t":
+        return
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
         if lack := at_another_time(before.text, inside):
             _fail(text, before, last, *lack)
+        if inside == DURATION:
+            _fail(text, before, last, "only the time has a duration: t[duration]", f"write {before.text}[final]")
         what = "[ ] only marks the value at an end of time, or the rate of an implicit state"
         _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
 

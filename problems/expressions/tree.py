@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..text import excerpt, shorten
 from .delays import delayed
 from .functions import FUNCTIONS, smooth_names
-from .slips import ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
+from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,13 +209,19 @@ def _leaf(tree: ast.expr, span: _Span) -> Node | None:
             return Number(*span, math.pi)
         case ast.Name() | ast.Attribute(value=ast.Name()):
             return Name(*span, _spelled(tree), None)
-        case ast.Subscript(value=ast.Name() | ast.Attribute(value=ast.Name()) as name, slice=ast.Name(id=end)) if (
-            end in ENDS
-        ):
-            return Name(*span, _spelled(name), end)
-        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
-            return Name(*span, rate_of(name), None)
+        case ast.Subscript(value=ast.Name() | ast.Attribute(value=ast.Name()) as name, slice=ast.Name(id=mark)):
+            return _marked(name, mark, span)
     return None
+
+
+def _marked(name: ast.Name | ast.Attribute, mark: str, span: _Span) -> Node | None:
+    """A name with what stands in brackets behind it."""
+    if mark in ENDS:
+        return Name(*span, _spelled(name), mark)
+    if mark == DURATION:
+        first, last = (Name(*span, _spelled(name), end) for end in ENDS)
+        return Chain(*span, last, (Link(*span, "-", first),))
+    return Name(*span, rate_of(name.id), None) if mark == RATE and isinstance(name, ast.Name) else None
 
 
 def _spelled(tree: ast.Name | ast.Attribute) -> str:

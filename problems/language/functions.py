@@ -10,7 +10,7 @@ At an end of time, `drag(v[final], h[final])`, the other names of the body are t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -24,7 +24,7 @@ from ..schema.spec import Spec
 from ..text import excerpt
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .walk import changed, expressions_of
+from .walk import changed, expressions_of, mapped
 
 MAX_SIZE = 20_000  # nodes of one expression with its functions written out
 MAX_DEPTH = 150  # of its tree, which is walked recursively
@@ -44,7 +44,7 @@ def declared(spec: Spec) -> dict[str, Declared]:
     return {own.name: Declared(key, own, body) for key, own, body in found if own}
 
 
-def written_out(spec: Spec) -> tuple[Spec, list[Finding]]:
+def without_functions(spec: Spec) -> tuple[Spec, list[Finding]]:
     """The spec without calls of functions, and what is wrong with those that it had.
 
     spec: of a file or of one phase. Its functions stay under their keys, for checks of the names in their bodies; each
@@ -187,7 +187,7 @@ class _Writer:
             self._refuse(node, what, f"make {unclear[0]} an argument of {node.table}")
         end, phase = min(ends), f"{min(phases)}." if phases else ""
         own = free - self.spec.optimize.keys() if len(phases) == 1 else free & self.varying
-        return _mapped(
+        return mapped(
             body,
             lambda name: _taken(name, phase, end if name.name in self.varying else None) if name.name in own else name,
         )
@@ -236,15 +236,9 @@ def _taken(name: Name, phase: str, end: str | None) -> Name:
     return replace(name, name=f"{phase}{name.name}", end=end)
 
 
-def _mapped(node: Node, new: Callable[[Name], Node]) -> Node:
-    if isinstance(node, Name):
-        return new(node)
-    return rebuilt(node, [_mapped(part, new) for part in below(node)])
-
-
 def _substituted(node: Node, values: Mapping[str, Node]) -> Node:
     """A tree with others in place of names."""
-    return _mapped(node, lambda name: values.get(name.name, name))
+    return mapped(node, lambda name: values.get(name.name, name))
 
 
 def _placed(node: Node, start: int, stop: int) -> Node:

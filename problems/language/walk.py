@@ -1,4 +1,4 @@
-"""All expressions of a spec, wherever they stand."""
+"""All expressions of a spec, wherever they stand, and all names of an expression."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from ..expressions.expression import Expression
+from ..expressions.tree import Name, Node, below, rebuilt
 from ..schema.fields import Entry
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -68,3 +69,10 @@ def _other_items(path: Path, items: dict[str, Any], change: Change) -> dict[str,
     """The items, if one of them changes; else none."""
     new = {key: _changed((*path, key), item, change) for key, item in items.items()}
     return new if any(new[key] is not items[key] for key in items) else {}
+
+
+def mapped(node: Node, new: Callable[[Name], Node]) -> Node:
+    """A tree with what `new` says in place of each of its names."""
+    if isinstance(node, Name):
+        return new(node)
+    return rebuilt(node, [mapped(part, new) for part in below(node)])

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..expressions.delays import delay_of
 from ..expressions.expression import Expression, Fault
+from ..expressions.given import Given, given
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
@@ -15,7 +16,7 @@ from ..problem import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import nearest, shorten
-from ..yaml.document import Path
+from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
@@ -39,17 +40,48 @@ from .roles import (
 MAX_SUGGESTIONS = 20
 MAX_KNOWN = 500
 
+# What people call it elsewhere -> what it is here.
+_MEANT = {
+    "e": "exp(...) for a power of e",
+    "duration": "t[duration], which is t[final] - t[initial]",
+    **dict.fromkeys(("tf", "tF", "t_f", "t_final"), "t[final] for the final time"),
+    **dict.fromkeys(("t0", "t_0", "t_initial"), "t[initial] for the initial time"),
+}
+
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
 
-def range_of(entry: Bounded, number: Callable[[Expression | None, float], float]) -> Range:
-    """The range of an entry; number: the value of an expression, or what it is given if there is none."""
-    value = getattr(entry, "value", None) or getattr(entry, "equals", None)
-    lower, upper = (value, value) if value else (entry.lower, entry.upper)
-    return Range(number(lower, -np.inf), number(upper, np.inf))
+Origin = Callable[[Path], Path]
+"""Path of a value in the spec of a phase -> where the file has it."""
+
+
+def range_of(
+    entry: Bounded,
+    bind: Callable[[Expression], Expression],
+    path: Path = (),
+    origin: Origin = tuple,
+    unit: str = "",
+) -> Range:
+    """The range of an entry.
+
+    entry: with lower and upper, and perhaps value or equals.
+    bind: gives an expression its numbers.
+    path: of the entry; () where it does not matter.
+    origin: where the file has it.
+    unit: of its numbers.
+    """
+
+    def end(key: str) -> float:
+        place = dotted(origin((*path, *([] if key == "value" else [key])))) if path else ""
+        return given(getattr(entry, key), bind, place, unit)
+
+    key = next((key for key in ("value", "equals") if getattr(entry, key, None)), None)
+    if key:
+        return Range(*[end(key)] * 2)
+    return Range(end("lower") if entry.lower else -np.inf, end("upper") if entry.upper else np.inf)
 
 
 class Symbols:
@@ -60,10 +92,11 @@ class Symbols:
     states at earlier times, by name. equations: those of the model, None without one. definitions: the expressions that
     others may refer to, each after those that it refers to; `varying` are those that vary in time, `fixed` holds the
     numbers and the values of the expressions of parameters alone. findings: mistakes met on the way; without them, all
-    of these are complete.
+    of these are complete. origin: where the file has what stands at a path of the spec.
     """
 
-    def __init__(self, spec: Spec):
+    def __init__(self, spec: Spec, origin: Origin = tuple):
+        self.origin = origin
         self.states, self.controls = variables.states(spec), variables.controls(spec)
         self.algebraic = variables.algebraic(spec)
         groups = {
@@ -91,10 +124,11 @@ class Symbols:
         self._outputs_unknown = False
         self.equations: Equations | None = None
         self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
+        self._units = {name: p.unit for name, p in spec.parameters.items()}
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
         own = [use for use in uses(spec) if use.path[0] != "parameters"]
         names = [state.name for state in self.states]
-        self.delayed = delayed_states(own, names, self.constant_value, self.findings)
+        self.delayed = delayed_states(own, names, self._known, self.findings)
         self.roles |= dict.fromkeys(self.delayed, DELAYED)
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
@@ -135,7 +169,12 @@ class Symbols:
         """The value of a tree of parameters alone, None for another."""
         if any(name.name not in self.fixed for name in leaves(root)):
             return None
-        return self._constant(Expression("", root))
+        return self._of_fixed(Expression("", root)).constant()
+
+    def _known(self, root: Node) -> Given | None:
+        """As `constant_value`, a number that knows what it is made of."""
+        known = all(name.name in self.fixed for name in leaves(root))
+        return given(Expression("", root), self._of_fixed) if known else None
 
     def varies(self, name: str) -> bool:
         """Whether a name has a value at every time."""
@@ -150,15 +189,15 @@ class Symbols:
             for name in leaves(root)
         )
 
-    def range(self, entry: Bounded | None) -> Range:
-        """The range of an entry with lower and upper, and perhaps value or equals."""
-        return Range() if entry is None else range_of(entry, self.number)
+    def range(self, entry: Bounded | None, path: Path = (), unit: str = "") -> Range:
+        """The range of an entry; path, unit: as of `range_of`."""
+        return Range() if entry is None else range_of(entry, self.function, path, self.origin, unit)
 
     def fault(self, expression: Expression) -> Fault | None:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""
         if isinstance(expression.root, Number):
             return None
-        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).fault({})
+        return self._of_fixed(expression).fault({})
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
         return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
@@ -217,8 +256,8 @@ class Symbols:
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        if name == "e":
-            return what, "write exp(...) for a power of e"
+        if name in _MEANT:
+            return what, f"write {_MEANT[name]}"
         if self._unknown_names >= MAX_SUGGESTIONS:
             return what, "declare it"
         self._unknown_names += 1
@@ -240,7 +279,7 @@ class Symbols:
         model = find_model(spec.model) if spec.model else None
         if model is None or not model.parameters.keys() <= self.numbers.keys():
             return
-        self.equations = model.build({name: self.numbers[name] for name in model.parameters})
+        self.equations = model.equations({name: self.numbers[name] for name in model.parameters})
         names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
         for name, function in self.equations.outputs.items():
             self.roles[name] = OUTPUT
@@ -264,10 +303,11 @@ class Symbols:
             if fault := self.fault(values[name]):
                 self.findings.append(no_value(("parameters", name), fault))
             else:
-                self.numbers[name] = self.fixed[name] = self._constant(values[name])
+                path = dotted(self.origin(("parameters", name)))
+                self.numbers[name] = self.fixed[name] = given(values[name], self._of_fixed, path, self._units[name])
 
-    def _constant(self, expression: Expression) -> float:
-        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).constant()
+    def _of_fixed(self, expression: Expression) -> Expression:
+        return expression.bind(self._fixed_in(expression), {}, tables=self.tables)
 
     def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
         sizes: dict[str, int] = {}
@@ -288,7 +328,7 @@ class Symbols:
             if any(n in self.varying or self.roles[n] in VARYING for n in inner):
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
-                self.fixed[name] = self._constant(expression)
+                self.fixed[name] = given(expression, self._of_fixed)
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:

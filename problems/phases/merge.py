@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
 from ..expressions.tree import Chain, Link, Number
-from ..language.functions import written_out
+from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.fields import Entry
 from ..schema.phases import PhaseEntry
@@ -30,7 +30,8 @@ _NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
-    return {name: written_out(own)[0] for name, own in phases_as_written(spec).items()}
+    own = phases_as_written(spec)
+    return {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
 
 
 def phases_as_written(spec: Spec) -> dict[str, Spec]:

@@ -124,12 +124,12 @@ class Result:
         Raises FileError if this version of trajopt cannot read the problem.
         """
         from ...problems.build import build
-        from ...problems.language.functions import written_out
+        from ...problems.language.plain import shared_in_plain
         from ...problems.load import load_stored
         from ...problems.names.symbols import Symbols
 
         spec = load_stored(self.spec, str(self.path))
-        return build(spec), {**Symbols(written_out(spec)[0]).numbers, **self.phases[0].parameters}
+        return build(spec), {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
 
 
 def read(path: Path) -> Result:

@@ -15,6 +15,9 @@ from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .door import DAMAGED, open_result, stored_problem
 from .layout import MESH
 
+OLDER = "an older version of trajopt wrote this result, which is to be solved again"
+"""Why there are no sensitivities in a result that has no place for them."""
+
 LARGEST_NUMBER = 1e300  # of a reference
 
 
@@ -59,6 +62,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "overshoot": _overshoot(file),
+        "sensitivities": _sensitivities(file),
         "phases": _phases(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
@@ -117,6 +121,18 @@ def _overshoot(file: h5py.File) -> dict[str, Any] | None:
         if told:
             found.append({"phase": name, **told})
     return max(found, key=lambda own: own["share"], default=None)
+
+
+def _sensitivities(file: h5py.File) -> dict[str, Any]:
+    """The derivative of the objective by each number of the file, by path; missing: why there are none, or ""."""
+    if "sensitivity" not in file:
+        return {"missing": OLDER, "numbers": {}}
+    group = file["sensitivity"]
+    columns = {key: group[key][:] for key in ("value", "derivative")}
+    columns |= {key: group[key].asstr()[:] for key in ("unit", "note")}
+    paths = group["number"].asstr()[:]
+    numbers = {path: {key: column[k] for key, column in columns.items()} for k, path in enumerate(paths)}
+    return {"missing": group.attrs["missing"], "numbers": numbers}
 
 
 def _phases(file: h5py.File) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
+from .ends_over_time import ENDS_OVER_TIME
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
@@ -22,5 +23,5 @@ __all__ = ["BAD_CSV", "BAD_GUESS", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS"
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
 ]

@@ -38,8 +38,8 @@ from ..schemes.polynomials import lagrange_basis
 from ..schemes.scheme import Scheme, collocation_scheme
 from .builder import PhaseBuilder
 
-ALIGNED = 1e-12
-"""Of the duration: a time this near to a knot, or to the initial time, is there."""
+ALIGNED = 1e-11
+"""Of the duration, or of a segment: a time this near to a knot, to a node, or to the initial time, is there."""
 
 
 def refused_by_collocation(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mistake]:
@@ -122,8 +122,9 @@ def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
     width = max(len(scheme.sigma) for scheme in mesh.schemes)
     node, A, G = np.empty((len(s), width), int), np.zeros((len(s), width)), np.zeros(len(s))
     for number, group in enumerate(mesh.groups):
-        here = mesh.group_of[segment] == number
-        last = len(group.scheme.sigma) - 1
+        here, sigma = mesh.group_of[segment] == number, group.scheme.sigma
+        last, nearest = len(sigma) - 1, np.abs(theta[here, None] - sigma).argmin(axis=1)
+        theta[here] = np.where(np.abs(theta[here] - sigma[nearest]) < ALIGNED, sigma[nearest], theta[here])
         A[here, : last + 1], G[here] = interpolation(collocation_scheme(group.scheme), theta[here])
         node[here] = mesh.first[segment[here], None] + np.minimum(np.arange(width), last)
     G[knot >= 0] = 0.0
@@ -146,9 +147,11 @@ def add_delays(builder: PhaseBuilder) -> None:
         past, rows = rows_of(builder.mesh, own.lag / duration)
         _history(builder, number, own, past, times[0] + builder.mesh.fractions[past] * duration - own.lag)
         bent, at_knot = rows.G != 0, rows.knot >= 0
-        _interpolated(builder, f"delay{number}", own, rows.of(~bent & ~at_knot))
+        at_node = (np.count_nonzero(rows.A, axis=1) == 1) & ~bent & ~at_knot
+        _interpolated(builder, f"delay{number}_inside", own, rows.of(~bent & ~at_knot & ~at_node))
         _interpolated(builder, f"delay{number}_bent", own, rows.of(bent), slope=True)
-        _at_knots(builder, f"delay{number}_knot", own, rows.of(at_knot))
+        _at_nodes(builder, f"delay{number}_at_node", own, rows.of(at_node))
+        _at_knots(builder, f"delay{number}_at_knot", own, rows.of(at_knot))
 
 
 def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarray, t: np.ndarray) -> None:
@@ -187,17 +190,39 @@ def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, sl
     _add(builder, name, over, rule, own, rows.point)
 
 
-def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
-    """y_k == x at a knot, which belongs to both its segments, as y_k does."""
+def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+    """y_k == x at a node inside a segment."""
     if not len(rows.point):
         return
     over = _over(builder, name, len(rows.point))
-    builder.shared[over.name] = rows.knot, rows.before, rows.after
-    columns = {"point": rows.point, "knot": builder.mesh.knots[rows.knot]}
-    point, knot = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
+    builder.owners[over.name] = rows.segment
+    node = np.take_along_axis(rows.node, rows.A.argmax(axis=1)[:, None], axis=1)[:, 0]
+    point, at = (builder.data(f"{name}_{key}", over, v) for key, v in (("point", rows.point), ("node", node)))
 
     def rule(block: Any, q: Any) -> Any:
-        return item(block.z, own.name, item(point, q)) == item(block.x, own.state, item(knot, q))
+        return item(block.z, own.name, item(point, q)) == item(block.x, own.state, item(at, q))
+
+    _add(builder, name, over, rule, own, rows.point)
+
+
+def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+    """y_k == x at a knot, which belongs to both its segments, as y_k does; at the initial time partly the history."""
+    if not len(rows.point):
+        return
+    over, first = _over(builder, name, len(rows.point)), rows.knot == 0
+    builder.shared[over.name] = rows.knot, np.where(first, 0.0, rows.before), np.where(first, 1.0, rows.after)
+    history = float(own.before(np.array(builder.phase.initial_time.lower)))
+    columns = {
+        "point": rows.point,
+        "knot": builder.mesh.knots[rows.knot],
+        "share": np.where(first, rows.after, 1.0),
+        "rest": np.where(first, rows.before * history, 0.0),
+    }
+    point, knot, share, rest = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
+
+    def rule(block: Any, q: Any) -> Any:
+        x = item(block.x, own.state, item(knot, q))
+        return item(block.z, own.name, item(point, q)) == item(share, q) * x + item(rest, q)
 
     _add(builder, name, over, rule, own, rows.point)
 
