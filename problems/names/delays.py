@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ..expressions.delays import Delay, delay_of
 from ..expressions.expression import Expression, parse
+from ..expressions.functions import FUNCTIONS
 from ..expressions.slips import ExpressionError
 from ..expressions.tree import Chain, Node, leaves
 from ..text import did_you_mean
@@ -78,7 +79,7 @@ def no_delay(delay: Delay, roles: Mapping[str, str], state: str) -> tuple[str, s
     if role == state:
         return f"{delay.name} stands where it has no value: {_NOT_HERE[0]}", _NOT_HERE[1]
     if role is None:
-        known = [name for name, own in roles.items() if own == state]
+        known = [*(name for name, own in roles.items() if own == state), *FUNCTIONS]
         remedy = did_you_mean(delay.state, known, "only states have values at earlier times")
         return f"{delay.name}: there is no state {delay.state}", remedy
     remedy = (
