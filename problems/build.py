@@ -11,6 +11,7 @@ from .guess import finished, initial_guess
 from .guesses.delayed import with_delayed
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
+from .measured import measured
 from .names.delays import DelayedState
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
@@ -131,6 +132,7 @@ class _Builder:
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            measured=tuple(measured(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         return within_tables(phase)

@@ -15,13 +15,14 @@ from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import nearest, shorten
+from ..text import did_you_mean, shorten
+from ..wishes.names import name_wish
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
 from .delays import delayed_states, no_delay
-from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, TRAJECTORY, Use, uses
+from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, MEASURED, TRAJECTORY, Use, uses
 from .roles import (
     ALGEBRAIC,
     CONTROL,
@@ -39,14 +40,6 @@ from .roles import (
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
 MAX_KNOWN = 500
-
-# What people call it elsewhere -> what it is here.
-_MEANT = {
-    "e": "exp(...) for a power of e",
-    "duration": "t[duration], which is t[final] - t[initial]",
-    **dict.fromkeys(("tf", "tF", "t_f", "t_final"), "t[final] for the final time"),
-    **dict.fromkeys(("t0", "t_0", "t_initial"), "t[initial] for the initial time"),
-}
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
@@ -212,7 +205,7 @@ class Symbols:
             if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
-            trouble = self._trouble(name, use.context)
+            trouble = self._trouble(name, use.context, use.path)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
                 self._wrong.add(use.path)
@@ -221,14 +214,14 @@ class Symbols:
             self._wrong.add(use.path)
             self.findings += [Finding(use.path, *own) for own in wrong if own]
 
-    def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
+    def _trouble(self, name: Name, context: str, path: Path) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
         delay = delay_of(name.name)
         if delay and (role is None or context != TRAJECTORY):
             found = no_delay(delay, self.roles, STATE)
         elif role is None:
-            found = self._unknown(name.name, context)
+            found = self._unknown(name.name, context, path)
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == HISTORY:
@@ -238,7 +231,7 @@ class Symbols:
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
-        elif context == GUESS and name.end:
+        elif context in (GUESS, MEASURED) and name.end:
             found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
         elif context == TRAJECTORY and name.end:
             found = (
@@ -249,23 +242,25 @@ class Symbols:
             found = not_at_ends(name, role)
         return found
 
-    def _unknown(self, name: str, context: str) -> tuple[str, str]:
+    def _unknown(self, name: str, context: str, path: Path) -> tuple[str, str]:
         what = f'unknown name "{name}"'
         if name.endswith("]"):
             return self._no_rate(name.partition("[")[0])
+        varying = [n for n, role in self.roles.items() if role in VARYING]
+        if wish := name_wish(name, path, varying, [n for n in varying if self.roles[n] == STATE]):
+            return what, wish
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        if name in _MEANT:
-            return what, f"write {_MEANT[name]}"
+        return what, self._like(name, context) or _declared(name, context)
+
+    def _like(self, name: str, context: str) -> str:
+        """The question after the known name that is most like this one; "" where there is none."""
         if self._unknown_names >= MAX_SUGGESTIONS:
-            return what, "declare it"
+            return "declare it"
         self._unknown_names += 1
         known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
-        known = known[:MAX_KNOWN]
-        if close := nearest(name, [*known, "pi"]):
-            return what, f"did you mean {close}?"
-        return what, f"declare it, for example under parameters: as {name}: 1.0"
+        return did_you_mean(name, [*known[:MAX_KNOWN], "pi"])
 
     def _no_rate(self, name: str) -> tuple[str, str]:
         """What is wrong with name[rate], which is no implicit rate."""
@@ -329,6 +324,14 @@ class Symbols:
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = given(expression, self._of_fixed)
+
+
+def _declared(name: str, context: str) -> str:
+    """How a name is declared that an expression uses."""
+    given = f"under parameters: as {name}: 1.0"
+    if context == CONSTANT:
+        return f"declare it, for example {given}"
+    return f"declare it: under controls: as {name}: {{}} if it is to be found, {given} if it is given"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:
