@@ -140,8 +140,8 @@ class _Program:
             for name in function.constants:
                 if (phase, name) not in self.numbers:
                     self.sums.add(function.parameters[name], nan, LITERAL)
-        for number in _of_delays(self.problem):
-            self.sums.add(number, nan, DELAYED)
+        for late in _of_delays(self.problem):
+            self.sums.add(late, nan, DELAYED)
 
     def _lagrangian(self, number: Number, value: float) -> float:
         """f + y . g with another number."""

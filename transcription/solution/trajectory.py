@@ -134,8 +134,8 @@ class Trajectory:
             u[:, here] = combine(self.u[:, group.collocated[row]], U)
             if costate is not None and self.costate is not None:
                 costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
-        for row, own in zip(u[self.phase.rows_of_delayed], self.phase.delayed, strict=True):
-            row[:] = self.earlier(own, t)
+        for late, values in zip(self.phase.delayed, u[self.phase.rows_of_delayed], strict=True):
+            values[:] = self.earlier(late, t)
         return Sample(t, x, u, dx, costate)
 
     def earlier(self, own: Delayed, t: np.ndarray) -> np.ndarray:
