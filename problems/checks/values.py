@@ -25,8 +25,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .complementarity import complementarity_mistakes
-from .delays import delay_mistakes, idle_histories
-from .ends import impossible_at_ends
+from .ends import delay_mistakes, idle_histories, impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
