@@ -9,8 +9,10 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Chain, Lookup, Name, Node, Operation, leaves, nodes
 from ..measured import compared
 from ..models import find_model
+from ..names.delays import parameters_of
 from ..names.occurrences import constraints, uses
-from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
+from ..names.roles import ALGEBRAIC, CONTROL, TABLE
+from ..names.symbols import Symbols
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 
@@ -148,6 +150,7 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     """
     used = [node for use in uses(spec) for node in nodes(use.expression.root)]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
+    named |= parameters_of(uses(spec))
     if spec.model:
         model = find_model(spec.model)
         named |= {*model.parameters, *model.controls, *model.algebraic}
