@@ -110,7 +110,9 @@ def load_all(
 
 def _of_some(mistake: Mistake, files: Sequence[str], found: Mapping[str, Sequence[Mistake]]) -> bool:
     """Whether an override is a mistake for some of the files only."""
-    return mistake.where.startswith("--set ") and not all(mistake in found.get(name, ()) for name in files)
+    told = mistake.where, mistake.what
+    everywhere = all(told in [(own.where, own.what) for own in found.get(name, ())] for name in files)
+    return mistake.where.startswith("--set ") and not everywhere
 
 
 def _with_file(mistake: Mistake, name: str) -> Mistake:
