@@ -163,6 +163,8 @@ class Phase:
     """One phase: its own time, states, controls and constraints.
 
     time_unit: the unit of time.
+    steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
+    then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
     """
 
@@ -180,7 +182,18 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
+    steps: int = 0
     outputs: Mapping[str, Output] = field(default_factory=dict)
+
+    @property
+    def static(self) -> bool:
+        """Whether nothing in it varies: a phase of no duration, for what is about static parameters alone."""
+        return not (self.states or self.inputs)
+
+    @property
+    def exact(self) -> bool:
+        """Whether its nonlinear program is the problem itself: no method approximates anything in it."""
+        return self.static or self.steps > 0
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
@@ -222,7 +235,8 @@ class Phase:
         """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
-            return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])
+            rates = [np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states]
+        return np.stack(rates) if rates else np.zeros((0, *np.shape(t)))
 
 
 @dataclass(frozen=True)

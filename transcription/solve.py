@@ -12,13 +12,15 @@ import numpy as np
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
+from .engines.convexity import kind_of_program
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
-from .settings import DEFAULT, Refine, Settings, Step
+from .settings import DEFAULT, Refine, Settings, Step, meshes_of
+from .solution.prices import prices
 from .solution.solution import MeshRecord, Solution
 from .transcribe import refused
 
@@ -62,7 +64,7 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
 
 def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
     own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
-    return problem, [one.mesh() for one in own], min(one.tolerance for one in own)
+    return problem, meshes_of(problem, own), min(one.tolerance for one in own)
 
 
 def solve(
@@ -186,8 +188,13 @@ class _Loop:
     def _told(self) -> Solution:
         assert self.last is not None
         gap = _gap(self.settings.refine, self.last[0].objective)
-        solution, _ = tightened(self.last, self.settings, gap, self._watch())
+        solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
+        if solution.status.usable:
+            continuous = not all(phase.exact for phase in solution.problem.phases)
+            kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
+            own = prices(solved.transcription, solved.nlp, solved.outcome)
+            solution = replace(solution, prices=own, program=kind)
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
         return replace(solution, accept=self.settings.accept)
 

@@ -20,7 +20,19 @@ from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
 _SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
-_FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
+_FORMULAS = {
+    "rate",
+    "next",
+    "accel",
+    "value",
+    "lower",
+    "upper",
+    "guess",
+    "equals",
+    "expression",
+    "integral",
+    "terminal",
+}
 
 _WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
 _OBJECTIVE = {"minimize": {"integral": UNKNOWN}}
@@ -94,7 +106,7 @@ def _replace_in_phase(data: dict[str, Any], path: Path, extra: bool) -> None:
 def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:
     """Mend a state without taking its dynamics, or the name of its velocity, away; whether that was the mistake."""
     entry = node.get(key)
-    if extra and nearest(key, ("rate", "accel")):
+    if extra and nearest(key, ("rate", "next", "accel")):
         node["rate" if "velocity" not in node else "accel"] = UNKNOWN
         del node[key]
         return True

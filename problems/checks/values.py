@@ -20,7 +20,7 @@ from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from . import structure
+from . import structure, timeless
 from .ends import impossible_at_ends
 from .keyframes import uneven, unordered
 from .names import name_trouble, title_troubles
@@ -42,13 +42,14 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     whole: as of `checks.phases.check_spec`.
     phase: its name; of several, none needs an objective.
     """
-    if not spec.model and not spec.states:
+    if not (spec.model or spec.states or spec.static):
         return [NO_STATES], []
     checker = _Checker(spec)
     checker.names()
     checker.constants()
     checker.varying_at_ends()
-    checker.time()
+    if not spec.static:
+        checker.time()
     for declared in checker.declared():
         checker.bounds(declared.path, declared.entry)
     for name, static in spec.optimize.items():
@@ -62,6 +63,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.guess_names()
     checker.guess_values()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
+    checker.errors += timeless.mistakes(spec, checker.numbers)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
@@ -271,7 +273,10 @@ class _Checker:
         functions = [self.symbols.function(e) for e in (terms.integral, terms.terminal) if e]
         free = set().union(*(function.names for function in functions)) - {"t"} - fixed
         free_time = spec.time.initial.value is None or spec.time.final.value is None
-        if not free and not (terms.integral and free_time):
+        if spec.static and not free and not spec.constraints.boundary:
+            what = "there is nothing to find: neither an objective nor a constraint asks anything of the parameters"
+            self.error(("optimize",), what, "add objective: {minimize: ...}, or constraints:")
+        elif not (free or spec.static) and not (terms.integral and free_time):
             what = "the objective is a constant: everything in it is fixed"
             remedy = "let it depend on a control, a free state, or a free time"
             self.error(("objective", spec.objective.sense), what, remedy)

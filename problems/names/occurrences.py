@@ -19,9 +19,9 @@ MAX_STEM = 40
 # Where an expression stands decides what it may refer to.
 CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
 
-# Sections whose expressions are constants, but for the rates and accelerations among them.
+# Sections whose expressions are constants, but for the dynamics among them.
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
-_DYNAMICS = ("rate", "accel")
+_DYNAMICS = ("rate", "next", "accel")
 
 
 class Use(NamedTuple):

@@ -29,7 +29,7 @@ class Hamiltonian:
         self.phase: Phase = self.trajectory.phase
         self.points = self.trajectory.mesh.collocated
         phase, sense = self.phase, result.problem.sense
-        costate = sense * self.trajectory.point_costate[:, self.points]
+        costate = sense * self._costate()
         self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
         self.constraints: list[tuple[np.ndarray, Function]] = []
@@ -41,6 +41,14 @@ class Hamiltonian:
             group.append((multiplier, constraint.function))
             if kind is not INTEGRAL:
                 self.equations.append(constraint.bounds.fixed)
+
+    def _costate(self) -> np.ndarray:
+        """lambda at the points, shape (n_x, M); in discrete time that after the step that begins there."""
+        if not self.phase.steps:
+            return self.trajectory.point_costate[:, self.points]
+        assert self.trajectory.costate is not None
+        mesh = self.trajectory.mesh
+        return self.trajectory.costate[:, mesh.offset + mesh.degrees]
 
     def _multipliers(self, result: Reloaded) -> dict:
         """(kind, name) -> the multiplier function at the points; of an integral constraint, its one multiplier."""
@@ -105,7 +113,23 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         [hamiltonian.derivative(hamiltonian.lagrangian, values, x.name) for x in hamiltonian.phase.states]
     )
     yield _hamiltonian_drift(hamiltonian, values, slopes, claimed, tolerance)
-    blurred = slopes * _lopsided(hamiltonian)
+    yield from stationarity(result, hamiltonian, values, slopes * _lopsided(hamiltonian), claimed, tolerance)
+    if hamiltonian.phase.inputs:
+        yield _legendre(hamiltonian, values, t, tolerance)
+
+
+def stationarity(
+    result: Reloaded, hamiltonian: Hamiltonian, values: dict, blurred: np.ndarray, claimed: float, tolerance: float
+) -> Iterator[Check]:
+    """The check of dL/du = 0 for each input.
+
+    result: read back, with multipliers.
+    hamiltonian: of one of its phases.
+    values: at the points.
+    blurred: what the costates may be off by, (n_x, M).
+    claimed, tolerance: as of `optimality`.
+    """
+    t = values["t"]
     engine = _left_by_engine(result, hamiltonian)
     for variable in hamiltonian.phase.inputs:
         gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
@@ -118,8 +142,6 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
         name = f"stationarity dH/d{variable.name}, relative"
         yield Check(name, float(residual[k]), tolerance, at(t[k]))
-    if hamiltonian.phase.inputs:
-        yield _legendre(hamiltonian, values, t, tolerance)
 
 
 def _left_by_engine(result: Reloaded, hamiltonian: Hamiltonian) -> np.ndarray:

@@ -14,6 +14,7 @@ from ...problems.problem import Phase, Problem, Range
 from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
+from .summary import DISCRETE
 
 CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
@@ -38,7 +39,7 @@ class PhaseCurves:
     curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
-    objective; empty where there is none.
+    objective; empty where there is none. discrete: whether its time is: values hold from one point to the next.
     """
 
     name: str
@@ -52,6 +53,7 @@ class PhaseCurves:
     parameters: Mapping[str, float]
     relative: np.ndarray = field(default_factory=lambda: np.empty(0))
     shares: np.ndarray = field(default_factory=lambda: np.empty(0))
+    discrete: bool = False
 
     @property
     def at_knot(self) -> np.ndarray:
@@ -142,7 +144,7 @@ def read(path: Path) -> Result:
             objective=float(file.attrs["objective"]),
             objective_error=bar_of(file.attrs)["objective_error"],
             objective_error_missing=printable(file.attrs.get("objective_error_missing", NO_BAR_YET)),
-            phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
+            phases=tuple(map(_phase, *zip(*file["phase"].items(), strict=True), _methods(file))),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
         )
@@ -166,7 +168,12 @@ def _ranges(phase: Phase) -> dict[str, Range]:
     return ranges
 
 
-def _phase(name: str, group: h5py.Group) -> PhaseCurves:
+def _methods(file: h5py.File) -> list[str]:
+    """The method of each phase on the last mesh."""
+    return [str(own.attrs["method"]) for own in meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])]
+
+
+def _phase(name: str, group: h5py.Group, method: str) -> PhaseCurves:
     points, dense, time = group["points"], group["dense"], group["points/time"]
     eta, empty = group["error/eta"][:], np.empty(0)
     return PhaseCurves(
@@ -181,6 +188,7 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
         relative=group["error"].get("relative", empty)[:],
         shares=group["error"].get("objective", empty)[:],
+        discrete=method == DISCRETE,
     )
 
 

@@ -17,6 +17,7 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
+        price/<name>           scalar, the change of the objective with the bound of a constraint that holds once
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
                                several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,
@@ -27,8 +28,8 @@
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
-                               itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
-                               the way, in words)
+                               itself), program (what kind of program it is, if linear or quadratic), scaling
+                               (sizes of the automatic one, JSON), continuation (the solves on the way, in words)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -53,7 +54,7 @@ from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
-from .write_phase import write_parameters, write_phase
+from .write_phase import write_parameters, write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -143,6 +144,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+            write_prices(group_of(group, "price"), solution.prices[number] if solution.prices else {})
         meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)
@@ -236,6 +238,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
+    group.attrs["program"] = solution.program
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
     group.attrs["continuation"] = texts(map(str, solution.continuation))

@@ -13,6 +13,7 @@ from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
+from .timeless import TIMELESS
 from .values import KEYS, NUMBERS, STRANGE
 
 __all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLES", "Case", "write"]
@@ -20,5 +21,5 @@ __all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLE
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *TIMELESS),
 ]

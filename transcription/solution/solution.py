@@ -75,7 +75,8 @@ class Solution:
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
-    on the way to this problem, itself the last.
+    on the way to this problem, itself the last. prices: of each phase, see `prices`. program: what kind of program it
+    is, in words, if it is linear or quadratic.
     """
 
     problem: Problem
@@ -94,6 +95,8 @@ class Solution:
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
     continuation: tuple[ContinuationStep, ...] = ()
+    prices: tuple[Mapping[str, float], ...] = ()
+    program: str = ""
 
     @property
     def solved(self) -> bool:

@@ -141,7 +141,8 @@ class Trajectory:
         assert self.costate is not None
         points = self.mesh.slot_points
         sides = np.bincount(points)
-        return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
+        own = [np.bincount(points, weights=costate) / sides for costate in self.costate]
+        return np.stack(own) if own else np.zeros((0, len(sides)))
 
     def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
         """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""
