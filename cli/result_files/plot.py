@@ -88,7 +88,7 @@ def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) ->
     from ...results.pictures.mesh_plots import mesh_figure
     from ...results.pictures.plots import trajectory_figure
 
-    if not any(phase.curves["state"] for phase in result.phases) and len(result.phases[0].parameters) == 2:
+    if result.static and len(result.phases[0].parameters) == 2:
         from ...results.pictures.plane import plane_figure
 
         return plane_figure(result)

@@ -120,6 +120,11 @@ class Result:
     def states(self) -> list[str]:
         return self.names("state")
 
+    @property
+    def static(self) -> bool:
+        """Whether nothing in it varies in time."""
+        return not any(self.names(kind) for kind in CURVE_KINDS)
+
     def build(self) -> tuple[Problem, dict[str, float]]:
         """The problem that was solved, and the numbers of its parameters, fixed and optimised.
 

@@ -199,7 +199,7 @@ def unlabel(ax: Axes | None) -> None:
 def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     """kind -> the names to draw; kinds without any are left out."""
     known = {name for kind in CURVE_KINDS for name in result.names(kind)}
-    if not any(phase.curves["state"] for phase in result.phases):
+    if result.static:
         what = "there is no time to draw anything over"
         remedy = "trajopt show lists the values; a picture can be drawn of two static parameters"
         raise SpecError(Mistake(str(result.path), what, remedy))
@@ -254,7 +254,7 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
         plain(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
         plain(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
     ]
-    if not result.states:  # no time, no mesh
+    if result.static:  # no time, no mesh
         lines[1:] = [plain(f"objective {result.objective:.8g}", letters), ""]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(filter(None, lines[1:]))]
