@@ -36,13 +36,16 @@ STEP = "step"
 def is_static(data: dict[str, Any]) -> bool:
     """Whether a file is about static parameters alone; a misspelt section is not taken for a missing one."""
     misspelt = any(nearest(key, VARYING) for key in data if key not in Spec.model_fields)
-    return bool(data.get("optimize")) and not VARYING & data.keys() and not misspelt
+    given = {key: data.get(key) for key in VARYING}
+    if isinstance(given["time"], dict) and not given["time"].keys() & {"initial", "final"}:
+        del given["time"]
+    return bool(data.get("optimize")) and not any(given.values()) and not misspelt
 
 
 def is_discrete(data: dict[str, Any]) -> bool:
     """Whether the time of a file is discrete: some state is given by its next value."""
     states = data.get("states")
-    return isinstance(states, dict) and any(isinstance(own, dict) and "next" in own for own in states.values())
+    return isinstance(states, dict) and any(isinstance(own, dict) and own.get("next") is not None for own in states.values())
 
 
 def write_out(data: dict[str, Any]) -> dict[Path, Path]:
@@ -93,7 +96,9 @@ def exact_mesh(data: dict[str, Any], given: Iterable[Path], overridden: Iterable
     overridden: paths that the command line gives, and those above them.
     """
     why = "a problem without time" if is_static(data) else "discrete time"
-    wrong = [path for path in given if path[0] in ("mesh", "refine")]
+    written = data["mesh"][0] if isinstance(data["mesh"], list) and len(data["mesh"]) == 1 else {}
+    own = isinstance(written, dict) and written.items() >= EXACT_MESH.items()  # the full form of such a file
+    wrong = [path for path in given if path[0] in ("mesh", "refine") and not own]
     wrong += [path for path in overridden if (path[0], len(path)) in (("mesh", 3), ("refine", 2))]
     kept = data["mesh"][0] if isinstance(data["mesh"], list) and data["mesh"] else {}
     tolerance = {"tolerance": kept["tolerance"]} if isinstance(kept, dict) and "tolerance" in kept else {}
