@@ -87,7 +87,8 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
         for name, distance in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
     }
     if not distances:
-        what = "it has no state, or without time no parameter, in common with the first result"
+        kind = "state" if any(phase.curves["state"] for phase in first) else "parameter"
+        what = f"it has no {kind} in common with the first result"
         if {phase.name for phase in first} != {phase.name for phase in other}:
             what = "its phases have other names than those of the first result"
         raise SpecError(Mistake(str(path), what, "compare like with like"))

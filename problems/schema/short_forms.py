@@ -45,7 +45,9 @@ def is_static(data: dict[str, Any]) -> bool:
 def is_discrete(data: dict[str, Any]) -> bool:
     """Whether the time of a file is discrete: some state is given by its next value."""
     states = data.get("states")
-    return isinstance(states, dict) and any(isinstance(own, dict) and own.get("next") is not None for own in states.values())
+    return isinstance(states, dict) and any(
+        isinstance(own, dict) and own.get("next") is not None for own in states.values()
+    )
 
 
 def write_out(data: dict[str, Any]) -> dict[Path, Path]:
