@@ -1,7 +1,7 @@
 """The continuous optimal control problem: nothing discrete and nothing of YAML in it.
 
     minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
-               + M(the ends of all phases, p)
+               + M(the ends of all phases, p) + sum over measurements of  ((h(t_m, x(t_m), p) - y_m) / deviation)^2
     subject to dx/dt = f(t, x, u, z, p),  0 = r(t, x, u, z, p)   at every time      (dynamics, residuals),
                lower <= g(t, x, u, p) <= upper               at every time      (path),
                lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
@@ -16,7 +16,7 @@ the inputs of the dynamics: the controls, then the algebraic variables.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Protocol
@@ -62,11 +62,16 @@ class Range:
         return self.lower == self.upper
 
     def intersection(self, other: Range) -> Range:
-        """What two ranges have in common; its lower end is above its upper one if that is nothing."""
+        """What two ranges have in common; its lower end is above its upper one if that is nothing.
+
+        Its ends are those of the ranges themselves, which may know more than their values; a fixed value stays whole.
+        """
+        if other.fixed and self.lower <= other.lower <= self.upper:
+            return other
         return Range(max(self.lower, other.lower), min(self.upper, other.upper))
 
     def clip(self, value: float) -> float:
-        return min(max(value, self.lower), self.upper)
+        return float(min(max(value, self.lower), self.upper))
 
     def excess(self, values: np.ndarray) -> np.ndarray:
         """How far values are outside, relative to 1 + |bound|; zero inside."""
@@ -121,6 +126,32 @@ class Output:
     unit: str = ""
 
 
+@short_repr
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of a phase that was measured: h(t, x, p), and its values at some times.
+
+    name: in results. column: of the data. function, expression: h, and as it is written. times: (M,) within the phase,
+    which do not fall. values, deviations: (M,) standard deviations. exact: whether these are known; else they are up to
+    a common factor.
+    """
+
+    name: str
+    column: str
+    function: Function
+    expression: str
+    unit: str
+    times: np.ndarray
+    values: np.ndarray
+    deviations: np.ndarray
+    exact: bool
+
+    @property
+    def weights(self) -> np.ndarray:
+        """w = 1 / deviation^2: w (h - value)^2 is added to what is minimised."""
+        return 1 / self.deviations**2
+
+
 class Curves(Protocol):
     """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.
 
@@ -166,6 +197,8 @@ class Phase:
     steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
     then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
+    measured: what is compared with data; both times of such a phase are fixed.
+    time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     """
 
     name: str
@@ -184,6 +217,12 @@ class Phase:
     time_unit: str = "s"
     steps: int = 0
     outputs: Mapping[str, Output] = field(default_factory=dict)
+    measured: tuple[Measured, ...] = ()
+    time_parameters: Mapping[str, str] = field(default_factory=dict)
+
+    def times_in(self, curves: Curves) -> dict[str, float]:
+        """The values of the parameters that are times of this phase, for curves that a solve may start from."""
+        return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
 
     @property
     def static(self) -> bool:
@@ -253,6 +292,13 @@ class Problem:
     parameters: tuple[Variable, ...] = ()
     links: tuple[Constraint, ...] = ()
     mayer: Function | None = None
+
+    def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
+        """Name of each static parameter -> its value at the start. guess: one for each phase."""
+        values = dict(guess[0].parameters)
+        for phase, own in zip(self.phases, guess, strict=True):
+            values |= phase.times_in(own)
+        return values
 
     def __repr__(self) -> str:
         """A line for the problem and one for each phase, as far as they are few."""

@@ -12,6 +12,7 @@ from ..problems.problem import Phase, Problem
 from ..problems.schema.solving import Engine, MeshEntry
 from ..problems.schema.spec import Spec
 from .engines.outcome import Status
+from .measured.knots import measured_fractions, with_knots
 from .schemes.discrete import DISCRETE, STATIC
 from .schemes.mesh import Mesh
 from .schemes.table import find
@@ -41,8 +42,15 @@ class Step:
 
 
 def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
-    """The mesh of each phase: that of its step of the schedule, if any method is to approximate it."""
-    return [_exact_mesh(phase) or step.mesh() for phase, step in zip(problem.phases, steps, strict=True)]
+    """The mesh of each phase, with knots at the times of its measurements; of one that is exact, what it needs.
+
+    problem: of any number of phases.
+    steps: one for each.
+    """
+    return [
+        _exact_mesh(phase) or with_knots(step.mesh(), measured_fractions(phase))
+        for phase, step in zip(problem.phases, steps, strict=True)
+    ]
 
 
 def _exact_mesh(phase: Phase) -> Mesh | None:

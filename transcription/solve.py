@@ -12,17 +12,19 @@ import numpy as np
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
-from .engines.convexity import kind_of_program
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
+from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
-from .solution.prices import prices
+from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
-from .transcribe import refused
+from .structure.convexity import kind_of_program
+from .structure.prices import prices
+from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -196,7 +198,10 @@ class _Loop:
             own = prices(solved.transcription, solved.nlp, solved.outcome)
             solution = replace(solution, prices=own, program=kind)
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
-        return replace(solution, accept=self.settings.accept)
+        sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
+        solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
+        found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
+        return replace(solution, estimates=found)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

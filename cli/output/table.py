@@ -8,6 +8,7 @@ from typing import Any
 
 from ...problems.text import with_bar
 from ...results.file.summary import CONTINUOUS, DISCRETE, STATIC, causes
+from .estimates import estimate_lines, print_correlation
 from .printing import cell, one_line, plural, print_field, print_table, print_title
 
 MAX_SHOWN = 8  # values found where there is no time
@@ -22,11 +23,12 @@ def print_summary(summary: dict[str, Any]) -> None:
     solved = summary["solved"]
     verdict = "NOT SOLVED" if not solved else "solved, tolerance missed" if summary["inaccurate"] else "solved"
     print_title(f"{summary['problem']}: {verdict}", verdict == "solved")
-    for name, text in _rows(summary):
+    for name, text in rows_of(summary):
         print_field(name, text)
 
 
-def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is told of a result, a row of the table each: what it is, and the text."""
     if not summary["solved"]:
         yield from _failure(summary)
     if summary["optimizes"]:
@@ -63,6 +65,7 @@ def _found(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     several, kinds = len(summary["phases"]) > 1, _kinds(summary)
     if several:
         yield from (("phase", _phase_line(name, phase)) for name, phase in summary["phases"].items())
+    yield from estimate_lines(summary["estimates"])
     if kinds == {STATIC}:
         yield from _point(next(iter(summary["phases"].values())))
     if CONTINUOUS in kinds:
@@ -178,6 +181,7 @@ def print_details(summary: dict[str, Any]) -> None:
     """The tables of `show`: every state, control and parameter, and every mesh."""
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
+    print_correlation(summary["estimates"])
     print()
     columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
     rows = [dict(zip(columns, _mesh_row(mesh), strict=True)) for mesh in summary["meshes"]]

@@ -54,8 +54,10 @@ def passages(spec: Spec) -> list[Passage]:
     given = [
         Passage(link.source, link.target, frozenset(link.left_out), i)
         for i, link in enumerate(spec.links)
-        if link.expression is None
+        if link.expression is None and not link.apart
     ]
+    if any(link.apart for link in spec.links):
+        return given
     said = {own.target for own in given if _forward(names, own)}
     neighbours = (Passage(before, after, frozenset()) for before, after in pairwise(names) if after not in said)
     return [*neighbours, *given]
@@ -65,6 +67,12 @@ def forward(spec: Spec) -> dict[str, str]:
     """Phase -> the phase before it, where it goes on from one."""
     names = list(own_entries(spec))
     return {own.target: own.source for own in reversed(passages(spec)) if _forward(names, own)}
+
+
+def with_left_out(spec: Spec) -> dict[str, tuple[str, frozenset[str]]]:
+    """Phase -> the phase before it, and the states that do not go on, where it goes on from one."""
+    before = forward(spec)
+    return {own.target: (own.source, own.left_out) for own in passages(spec) if before.get(own.target) == own.source}
 
 
 def goes_on_in_time(spec: Spec, own: Passage) -> bool:

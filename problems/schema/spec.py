@@ -7,7 +7,7 @@ here is a mistake. A value that may be computed is a `Formula`: a number or an e
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 from pydantic.json_schema import GenerateJsonSchema
@@ -19,7 +19,8 @@ from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
-from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
+from .measurements import MAX_SETS, MeasuredEntry
+from .phases import MAX_PHASES, NONE, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
     DEFAULT_METHOD,
@@ -40,11 +41,18 @@ def _alternatives(schema: dict[str, Any]) -> None:
     """What a file needs: with phases, its states, times and objective may stand in these."""
     needed = [key for key in schema["required"] if key != "objective"]
     dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
-    one = {"allOf": [{"required": ["objective", "time"]}, dynamics]}
+    wanted = {"anyOf": [{"required": ["objective"]}, {"required": ["measurements"]}]}
+    one = {"allOf": [{"required": ["time"]}, wanted, dynamics]}
     others = [{"required": [key]} for key in ("phases", "waypoints")]
     varying = {"anyOf": [{"required": [key]} for key in ("time", "states", "controls", "algebraic", "model")]}
     static = {"required": ["optimize"], "not": varying}
     schema |= {"required": needed, "anyOf": [one, *others, static]}
+
+
+def _or_none(schema: dict[str, Any]) -> None:
+    """The word none in place of a list."""
+    long = {key: schema.pop(key) for key in ("type", "items", "maxItems")}
+    schema["anyOf"] = [{"const": NONE}, long]
 
 
 class Spec(Entry):
@@ -58,6 +66,10 @@ class Spec(Entry):
         [],
         max_length=MAX_TAGS,
         description="words such as minimum-time: what kind of problem it is; `trajopt list --tag` looks for them",
+    )
+    units: Literal["on", "off"] = Field(
+        "on",
+        description="on (default): `trajopt check` looks whether the units of all expressions fit; off: it does not",
     )
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"
@@ -94,6 +106,11 @@ class Spec(Entry):
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    measurements: dict[str, MeasuredEntry] = Field(
+        {},
+        max_length=MAX_SETS,
+        description="of experiments: name -> {file, compare, deviations}; their squared residuals are minimised",
+    )
     phases: dict[str, PhaseEntry] = Field(
         {},
         max_length=MAX_PHASES,
@@ -102,7 +119,8 @@ class Spec(Entry):
     links: list[LinkEntry] = Field(
         [],
         max_length=MAX_NAMES,
-        description="between phases; default: time and every state of one name go on in the next phase",
+        description="between phases; default: time and every state of one name go on in the next phase; none: in none",
+        json_schema_extra=_or_none,
     )
     waypoints: list[Waypoint] = Field(
         [],
@@ -142,6 +160,11 @@ class Spec(Entry):
     _text: str = PrivateAttr("")
     _locations: Locations = PrivateAttr(Locations("", {}))
     _warnings: tuple[Mistake, ...] = PrivateAttr(())
+
+    @field_validator("links", mode="before")
+    @classmethod
+    def _none(cls, value: Any) -> Any:
+        return [NONE] if value == NONE else value
 
     @field_validator("trajopt")
     @classmethod

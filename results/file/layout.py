@@ -83,10 +83,11 @@ class Array:
 
 @dataclass(frozen=True)
 class Group:
-    """A group: name -> what stands in it, and its attributes, by name."""
+    """A group: name -> what stands in it, and its attributes, by name. optional: whether it may be missing."""
 
     members: Mapping[str, Array | Group | Each] = field(default_factory=dict)
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -143,6 +144,40 @@ def _curves(where: str) -> dict[str, Array | Group | Each]:
     }
 
 
+_MEASUREMENT, _ESTIMATE = Size("measurements"), Size("estimates")
+
+MEASURED = Group(
+    {
+        "measurement": Array(WHOLE, (_MEASUREMENT,)),
+        "time": Array(NUMBER, (_MEASUREMENT,), ordered="times"),
+        "value": Array(NUMBER, (_MEASUREMENT,)),
+        "deviation": Array(NUMBER, (_MEASUREMENT,)),
+        "model": Array(NUMBER, (_MEASUREMENT,)),
+    },
+    {"expression": Attribute(TEXT)},
+)
+"""One quantity that was measured, and the solution at the same times."""
+
+ESTIMATES = Group(
+    {
+        "parameter": Array(TEXT, (_ESTIMATE,), names="estimates"),
+        "other": Array(TEXT, (_ESTIMATE,), names="estimates"),
+        "value": Array(NUMBER, (_ESTIMATE,)),
+        "standard_error": Array(NUMBER, (_ESTIMATE,)),
+        "correlation": Array(NUMBER, (_ESTIMATE, _ESTIMATE)),
+    },
+    {
+        "residuals": Attribute(NUMBER),
+        "measurements": Attribute(WHOLE, above=-1),
+        "free": Attribute(WHOLE),
+        "scale": Attribute(NUMBER),
+        "given": Attribute(FLAG),
+        "missing": Attribute(TEXT),
+    },
+    optional=True,
+)
+"""Parameters that were estimated from measurements."""
+
 PHASE = Group({
     "knots": Array(NUMBER, (KNOTS,), ordered="times"),
     "points": Group(_curves("points")),
@@ -166,6 +201,7 @@ PHASE = Group({
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
     "price": Each(Array(NUMBER), optional=True),  # older results have none
+    "measured": Each(MEASURED, names="quantities", own=True, optional=True),
 })  # fmt: skip
 """One phase. Another one repeats it."""
 
@@ -201,6 +237,21 @@ MESH = Group(
 
 _UNKNOWN, _CONSTRAINT, _RECORD = (Size(symbol, least=0) for symbol in ("unknowns", "constraints", "records"))
 
+_NUMBERS = Size("numbers", least=0)
+
+SENSITIVITY = Group(
+    {
+        "number": Array(TEXT, (_NUMBERS,)),
+        "value": Array(NUMBER, (_NUMBERS,)),
+        "unit": Array(TEXT, (_NUMBERS,)),
+        "derivative": Array(NUMBER, (_NUMBERS,)),
+        "note": Array(TEXT, (_NUMBERS,)),
+    },
+    {"missing": Attribute(TEXT)},
+    optional=True,  # results of older versions have none
+)
+"""The derivative of the objective by each number of the file."""
+
 SOLVER = Group(
     {
         "iterations": Group({"number": Array(WHOLE, (_RECORD,)), "*": Array(NUMBER, (_RECORD,))}),
@@ -232,6 +283,8 @@ RESULT = Group(
         "phase": Each(PHASE, names="phases", least=1, own=True),
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,
+        "estimates": ESTIMATES,
+        "sensitivity": SENSITIVITY,
     },
     {
         "format": Attribute(TEXT),

@@ -18,6 +18,12 @@
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
         price/<name>           scalar, the change of the objective with the bound of a constraint that holds once
+        measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
+                               with expression, that of the model
+    /estimates/                where something was measured: parameter and other (names), value, standard_error,
+                               correlation; with residuals (the sum of weighted squares), measurements and free (their
+                               number, and that of unknowns), scale (of the deviations), given (whether these were),
+                               missing (why there are no standard errors)
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
                                several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,
@@ -30,6 +36,9 @@
                                another start), relief (what would have to give way, of a problem that contradicts
                                itself), program (what kind of program it is, if linear or quadratic), scaling
                                (sizes of the automatic one, JSON), continuation (the solves on the way, in words)
+    /sensitivity/              number, the path of a number of the problem file, and over it value, unit,
+                               derivative (of the objective by it; NaN where there is none) and note (why, or
+                               what to know); attribute: missing (why there are none at all)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -54,10 +63,12 @@ from ...problems.errors import FileError, Mistake
 from ...problems.files import check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
+from .write_measured import write_estimates, write_measured
 from .write_phase import write_parameters, write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
+    from ...transcription.solution.sensitivity import Sensitivities
     from ...transcription.solution.solution import MeshRecord, Solution
 
 MAX_UNMET = 20  # segments told one by one
@@ -145,10 +156,15 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
             write_prices(group_of(group, "price"), solution.prices[number] if solution.prices else {})
+            if trajectory.phase.measured:
+                write_measured(group_of(group, "measured"), trajectory)
+        if solution.estimates:
+            write_estimates(group_of(file, "estimates"), solution.problem, solution.estimates)
         meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)
         _write_solver(group_of(file, "solver"), solution)
+        _write_sensitivities(group_of(file, "sensitivity"), solution.sensitivities)
         return content_of(file)
 
 
@@ -242,6 +258,15 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
     group.attrs["continuation"] = texts(map(str, solution.continuation))
+
+
+def _write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
+    group.attrs["missing"] = found.why_not
+    number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
+    for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
+        array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
+    for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
+        array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

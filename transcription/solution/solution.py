@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
+from ..measured.estimates import Estimates
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
+from .sensitivity import Sensitivities
 from .trajectory import Trajectory
 from .violation import Violation
 
@@ -75,8 +78,9 @@ class Solution:
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
-    on the way to this problem, itself the last. prices: of each phase, see `prices`. program: what kind of program it
-    is, in words, if it is linear or quadratic.
+    on the way to this problem, itself the last. sensitive: computes `sensitivities`. estimates: of the static
+    parameters, where something is measured. prices: of each phase, see `structure.prices`. program: its kind, in words,
+    if it is linear or quadratic.
     """
 
     problem: Problem
@@ -97,6 +101,13 @@ class Solution:
     continuation: tuple[ContinuationStep, ...] = ()
     prices: tuple[Mapping[str, float], ...] = ()
     program: str = ""
+    estimates: Estimates | None = None
+    sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
+
+    @cached_property
+    def sensitivities(self) -> Sensitivities:
+        """How the objective changes with the numbers of the file; computed when it is asked for."""
+        return self.sensitive()
 
     @property
     def solved(self) -> bool:

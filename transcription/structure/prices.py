@@ -17,7 +17,7 @@ from ..constraint_kinds import Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from .multipliers import Multipliers
+from ..solution.multipliers import Multipliers
 
 ACTS = 0.5
 """Of theta, see `multipliers`: a bound with less does not act."""
