@@ -155,7 +155,8 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
-            write_prices(group_of(group, "price"), solution.prices[number] if solution.prices else {})
+            if solution.prices and solution.prices[number]:
+                write_prices(group_of(group, "price"), solution.prices[number])
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)
         if solution.estimates:
