@@ -119,6 +119,18 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Complementarity:
+    """a >= 0, b >= 0 and a*b = 0 at every time, relaxed to a*b <= allowed.
+
+    name: also that of the path constraint on the product.
+    """
+
+    name: str
+    product: Function
+    allowed: float
+
+
+@dataclass(frozen=True)
 class Output:
     """A function over time, and its unit."""
 
@@ -193,7 +205,7 @@ class Guess:
 class Phase:
     """One phase: its own time, states, controls and constraints.
 
-    time_unit: the unit of time.
+    time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
     steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
     then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
@@ -210,6 +222,7 @@ class Phase:
     algebraic: tuple[Variable, ...] = ()
     residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
+    complementarity: tuple[Complementarity, ...] = ()
     boundary: tuple[Constraint, ...] = ()
     integral: tuple[Constraint, ...] = ()
     lagrange: Function | None = None

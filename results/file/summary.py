@@ -205,6 +205,10 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
         "prices": {name: value[()] for name, value in group.get("price", {}).items()},
+        "complementarity": {
+            name: {key: own[key][()] for key in ("product", "time", "allowed")}
+            for name, own in group.get("complementarity", {}).items()
+        },
     }
 
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from ...problems.probe import depends_on
 from ...problems.problem import Function, Phase, Range
+from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier
 from ..engines.outcome import Outcome
@@ -154,7 +155,7 @@ class Multipliers:
         exact = [layout for layout in t.phases if layout.phase.exact]
         held = [(own.x.ravel(), own.u.ravel()) for own in exact]
         held += [(own.t, np.concatenate([own.x[:, 0], own.x[:, -1]])) for own in t.phases]
-        places = np.unique(np.concatenate([t.parameters, *(p for own in held for p in own)]))
+        places = distinct(np.concatenate([t.parameters, *(p for own in held for p in own)]))
         places = places[places >= 0]
         names = {own.phase.name for own in exact}
         single = [f.rows(self.nlp) for f in t.families if f.kind.multiplier is Multiplier.NUMBER or f.phase in names]
