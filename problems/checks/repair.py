@@ -32,6 +32,7 @@ _FORMULAS = {
     "expression",
     "integral",
     "terminal",
+    "history",
 }
 
 _WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
