@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import count
-from math import inf
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
+from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
-from .measured.knots import measured_fractions, with_knots
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
 from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
-from .settings import DEFAULT, Refine, Settings, Step
+from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
+from .structure.convexity import kind_of_program
+from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
@@ -70,17 +71,6 @@ def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
     return problem, meshes_of(problem, own), min(one.tolerance for one in own)
 
 
-def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
-    """The mesh of each phase, with knots at the times of its measurements.
-
-    problem: of any number of phases.
-    steps: one for each.
-    """
-    return [
-        with_knots(step.mesh(), measured_fractions(phase)) for step, phase in zip(steps, problem.phases, strict=True)
-    ]
-
-
 def solve(
     problem: Problem | Sequence[Problem],
     schedule: Schedule,
@@ -107,10 +97,6 @@ def solve(
     the engine cannot take its program.
     """
     return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None))
-
-
-RUNAWAY = 1e5
-"""How many times longer than its guess a free time is when nothing has stopped it."""
 
 
 class _Loop:
@@ -239,8 +225,13 @@ class _Loop:
         gap = _gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
+        if solution.status.usable:
+            continuous = not all(phase.exact for phase in solution.problem.phases)
+            kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
+            own = prices(solved.transcription, solved.nlp, solved.outcome)
+            solution = replace(solution, prices=own, program=kind)
         damped = solved.damping.told(solution.trajectories, solved.worth)
-        notes = (*self.notes, *damped, *runaway_times(solution))
+        notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
         if self.settings.refine and not self.unmet and (why := unminimised(replace(solution, meshes=meshes))):
             notes += (why,)
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
@@ -252,17 +243,6 @@ class _Loop:
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
-
-
-def runaway_times(solution: Solution) -> Iterator[str]:
-    """What is told of free final times without an upper bound that have grown beyond all that was meant."""
-    for trajectory in solution.trajectories:
-        phase = trajectory.phase
-        meant = max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
-        if phase.final_time.upper == inf and trajectory.final_time > RUNAWAY * meant:
-            whose = f" of phase {phase.name}" if len(solution.trajectories) > 1 else ""
-            told = f"the final time{whose} has run away to {trajectory.final_time:.3g} {phase.time_unit}".rstrip()
-            yield f"{told}: nothing limits it, so this is no optimum; give time: final: an upper bound"
 
 
 def _out_of_time(solution: Solution, limit: Limit) -> Solution:

@@ -34,8 +34,7 @@ def export(
     from ...problems.build import build
     from ...transcription.export.export import check_format
     from ...transcription.export.export import export as write
-    from ...transcription.settings import schedule_of
-    from ...transcription.solve import meshes_of
+    from ...transcription.settings import meshes_of, schedule_of
 
     check_format(output)
     problem = build(spec)

@@ -7,6 +7,7 @@ denominator to zero, beyond which the quotient has the other sign.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import of_phase
 
 LARGE = 1e10  # no unit makes an honest value as large
+LONGER = 1e5  # times than its guess: a free time that nothing has stopped
 FALLEN = 1e6  # of 1 + the first objective: an objective that has fallen by more runs away
 NEAR_ZERO = 1e-3  # of its largest size, of a denominator that an objective runs away through
 
@@ -132,3 +134,13 @@ def _denominators(expression: Any) -> Iterator[Any]:
         yield expression.args[0]
     for argument in expression.args:
         yield from _denominators(argument)
+
+
+def runaway_times(trajectories: Sequence[Trajectory]) -> Iterator[str]:
+    """What is told of free final times without an upper bound that have grown beyond all that was meant."""
+    for trajectory in trajectories:
+        phase = trajectory.phase
+        meant = max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
+        if phase.final_time.upper == inf and trajectory.final_time > LONGER * meant:
+            told = f"the final time{of_phase(phase.name)} has run away to {trajectory.final_time:.3g} {phase.time_unit}".rstrip()
+            yield f"{told}: nothing limits it, so this is no optimum; give time: final: an upper bound"

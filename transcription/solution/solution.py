@@ -79,8 +79,9 @@ class Solution:
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
-    the history does not tell: other starts, discarded meshes, the way. sensitive: computes
-    `sensitivities`. estimates: of the static parameters, where something is measured.
+    the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`. estimates:
+    of the static parameters, where something is measured. prices: of each phase, see `structure.prices`. program: its
+    kind, in words, if it is linear or quadratic.
     """
 
     problem: Problem
@@ -101,6 +102,8 @@ class Solution:
     continuation: tuple[ContinuationStep, ...] = ()
     discarded: tuple[MeshRecord, ...] = ()
     elsewhere: float = 0.0
+    prices: tuple[Mapping[str, float], ...] = ()
+    program: str = ""
     estimates: Estimates | None = None
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
 
