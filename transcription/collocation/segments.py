@@ -22,11 +22,13 @@ import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet, Set
 
 from ...problems.problem import Curves, State
+from ...problems.sets import without
 from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
 from ..schemes.segment import Group
 from .builder import PhaseBuilder
+from .delays import add_delays
 from .place import Place, Values
 from .point_rows import PointRows, point_rows
 
@@ -41,8 +43,8 @@ class CollocationBuilder(PhaseBuilder):
         eliminated = [[node for node, _ in scheme.eliminated] for scheme in self.schemes]
         pairs = zip(self.mesh.groups, eliminated, strict=True)
         gone = np.concatenate([group.nodes[:, np.array(nodes, int)].ravel() for group, nodes in pairs])
-        self.kept = np.setdiff1d(self.mesh.slot_points, gone)
-        self.explicit = np.setdiff1d(self.mesh.collocated, gone)
+        self.kept = without(self.mesh.slot_points, gone)
+        self.explicit = without(self.mesh.collocated, gone)
 
     def stored(self) -> tuple[list[str], np.ndarray]:
         return self.names, self.kept
@@ -122,6 +124,7 @@ class CollocationBuilder(PhaseBuilder):
                 self._rows_by_segment(group, over, i)
         for rows in point_rows(self.mesh):
             self._rows_by_point(rows)
+        add_delays(self)
 
     def _rows_by_segment(self, group: Group, over: Any, number: int) -> None:
         span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
