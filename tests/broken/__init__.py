@@ -18,6 +18,7 @@ from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
+from .timeless import TIMELESS
 from .values import KEYS, NUMBERS, STRANGE
 
 __all__ = [
@@ -39,5 +40,5 @@ METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES, *COMPLEMENTARITY),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
-    *MEASUREMENTS,
+    *(*MEASUREMENTS, *TIMELESS),
 ]
