@@ -14,10 +14,10 @@ from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
 from .files import PIPES
 from .names.symbols import UNKNOWN
+from .phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from .schema import messages
 from .schema.declarations import Time
 from .schema.fields import CALLED, STORED
-from .schema.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from .schema.solving import ENGINES, Solver
 from .schema.spec import Spec
 from .schema.tables import called_names

@@ -59,7 +59,7 @@ def test_every_quantity_has_a_panel_with_its_unit(solved):
         "costate of q2 [objective/rad]", "costate of v1 [objective/(m/s)]", "costate of v2 [objective/(rad/s)]",
     ]  # fmt: skip
     assert {ax.get_xlabel() for ax in figure.axes} == {"", "time [s]"}
-    assert figure.get_suptitle().startswith("cart-pole swing-up: solved\nobjective 58.")
+    assert figure.get_suptitle().startswith("cart-pole swing-up: solved, tolerance missed\nobjective 58.")
 
 
 @pytest.mark.parametrize(("name", "count"), [("pendulum", 2 + 1), ("biped", 10 + 5 + 5 + 10)])
@@ -156,7 +156,7 @@ def test_several_results_go_to_a_folder(solved, folder):
     pair = solved("cartpole"), solved("bounded")
     assert trajopt("plot", *pair, "-o", "out", "--only", "v,v1").exit_code == 2  # neither has both
     assert trajopt("plot", *pair, "-o", "out").stdout.split() == ["out/cartpole.png", "out/bounded.png"]
-    assert trajopt("plot", *pair, "-o", "one.png").exit_code == 3
+    assert trajopt("plot", *pair, "-o", "one.png").stdout.split() == ["one.png"]  # in one picture
     assert trajopt("plot", pair[0], pair[0], "-o", "out").exit_code == 2
     assert trajopt("plot", pair[0], "-o", "missing/").exit_code == 3
 

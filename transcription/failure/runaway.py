@@ -142,5 +142,6 @@ def runaway_times(trajectories: Sequence[Trajectory]) -> Iterator[str]:
         phase = trajectory.phase
         meant = max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
         if phase.final_time.upper == inf and trajectory.final_time > LONGER * meant:
-            told = f"the final time{of_phase(phase.name)} has run away to {trajectory.final_time:.3g} {phase.time_unit}".rstrip()
+            end = f"{trajectory.final_time:.3g} {phase.time_unit}".rstrip()
+            told = f"the final time{of_phase(phase.name)} has run away to {end}"
             yield f"{told}: nothing limits it, so this is no optimum; give time: final: an upper bound"

@@ -33,7 +33,6 @@ from ...problems.problem import Problem, Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import BETWEEN, Layout, Transcription, range_of_rows
-from ..measured.residuals import squares_with
 from ..method_kind import Number, Numbers
 from ..program.contract import NonlinearProgram, NotFinite
 
@@ -156,6 +155,8 @@ class _Program:
             if not isinstance(function, Expression):
                 continue
             for name in function.constants:
+                from ..measured.residuals import squares_with  # it loads Pyomo, which a result is read without
+
                 squares = partial(squares_with, layout, own, self.outcome.z, p, name)
                 number = function.parameters[name]
                 self.sums.add(number, difference(squares, number, self.rounding))

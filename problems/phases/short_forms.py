@@ -17,11 +17,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from ..schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS
+from ..schema.spec import Spec
 from ..text import nearest
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .solving import DEFAULT_METHOD, DEFAULT_SEGMENTS
-from .spec import Spec
 
 VARYING = frozenset({"time", "states", "controls", "algebraic", "residuals", "model", "phases", "waypoints"})
 """Sections that only a problem with time has."""
