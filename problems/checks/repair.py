@@ -19,7 +19,7 @@ from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
-_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "model"}
 _FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
 
 _WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
@@ -129,7 +129,7 @@ def _harmless(path: Path) -> Any:
             known = {}
         case ("constraints", _, int()):
             known = {"expression": UNKNOWN, "equals": UNKNOWN}
-        case ("parameters" | "expressions" | "residuals", _) | (*_, "initial" | "final"):
+        case ("parameters" | "expressions" | "integrals" | "residuals", _) | (*_, "initial" | "final"):
             known = UNKNOWN
         case ("guess", "constants", _) | ("guess", "keyframes", _, _):
             known = UNKNOWN

@@ -10,6 +10,7 @@ from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..language.functions import called_functions
+from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..language.times import TimeParameter
 from ..models import find_model
@@ -48,7 +49,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     """
     if not spec.model and not spec.states:
         return [NO_STATES], []
-    called = called_functions(spec)
+    called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
     checker = _Checker(spec)
     checker.errors += mistaken_calls
@@ -79,7 +80,9 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.errors += beyond_tables(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
-    return checker.errors, checker.warnings
+    found = (checker.errors, checker.warnings)
+    errors, warnings = ([f._replace(path=where_written(written, f.path)) for f in own] for own in found)
+    return errors, warnings
 
 
 class _Checker:

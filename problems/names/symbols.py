@@ -14,7 +14,7 @@ from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import nearest, shorten
+from ..text import did_you_mean, nearest, shorten
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
@@ -37,6 +37,8 @@ MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
+
+INTEGRAL = "integral."  # integral.work: the value of an integral
 
 # Roles of names that have a value at every time.
 STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
@@ -103,6 +105,7 @@ class Symbols:
         }
         self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
+        self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
         self.tables = lookups.fitted(spec, self.findings)
         self.numbers: dict[str, float] = {}
@@ -237,11 +240,8 @@ class Symbols:
 
     def _unknown(self, name: str, context: str) -> tuple[str, str]:
         what = f'unknown name "{name}"'
-        if name.endswith("]"):
-            return self._no_rate(name.partition("[")[0])
-        if "." in name:
-            remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
-            return f"{what}: expressions know no modules and no attributes", remedy
+        if "." in name or name.endswith("]"):
+            return self._no_plain_name(name, context)
         if name in _MEANT:
             return what, f"write {_MEANT[name]}"
         if self._unknown_names >= MAX_SUGGESTIONS:
@@ -252,6 +252,29 @@ class Symbols:
         if close := nearest(name, [*known, "pi"]):
             return what, f"did you mean {close}?"
         return what, f"declare it, for example under parameters: as {name}: 1.0"
+
+    def _no_plain_name(self, name: str, context: str) -> tuple[str, str]:
+        if name.startswith(INTEGRAL):
+            return self._no_integral(name.removeprefix(INTEGRAL), context)
+        if name.endswith("]"):
+            return self._no_rate(name.partition("[")[0])
+        remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
+        return f'unknown name "{name}": expressions know no modules and no attributes', remedy
+
+    def _no_integral(self, name: str, context: str) -> tuple[str, str]:
+        """What is wrong with integral.name, which is no value of an integral here."""
+        if name not in self.integrals:
+            remedy = did_you_mean(name, self.integrals, f"declare it under integrals: as {name}: and the integrand")
+            return f'there is no integral "{name}"', remedy
+        whole = f"integral.{name} is known at the final time"
+        if context == BOUNDARY:
+            return f"integral.{name} is one number", f"write integral.{name}, without [ ]"
+        if context == CONSTANT:
+            return (
+                f"{whole}, but this value must be known before the solution is",
+                "put the condition under constraints:",
+            )
+        return f"{whole}, but this expression is taken at every time", f"write {name} for the integral so far"
 
     def _no_rate(self, name: str) -> tuple[str, str]:
         """What is wrong with name[rate], which is no implicit rate."""

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
 from ..expressions.tree import Chain, Link, Number
+from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.fields import Entry
@@ -25,7 +26,7 @@ from ..yaml.document import Path
 from .order import ALONE, forward, own_entries
 
 _DYNAMICS = frozenset({"rate", "accel"})  # a state has one of them
-_NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
+_NAMED = ("parameters", "expressions", "states", "controls", "algebraic", "integrals")
 
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
@@ -60,8 +61,10 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     path: of the value in `phases_as_written(spec)[phase]`.
     """
     own = own_entries(spec).get(phase)
+    path = where_written(spec, path)
     if own is None or not path:
         return path
+    path = where_written(own, path)
     if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):
         return home(spec, before, ("time", "final", *path[2:]))
     if (found := _constraint(spec, phase, path) or _waypoint(spec, phase, path)) is not None:
@@ -134,7 +137,7 @@ def _merged(
     named["states"] = {
         name: _with_ends(state, own.states.get(name), *ends(name)) for name, state in named["states"].items()
     }
-    for group in ("states", "controls", "algebraic"):
+    for group in ("states", "controls", "algebraic", "integrals"):
         named[group] = {name: entry for name, entry in named[group].items() if name not in own.without}
     constraints = Constraints.model_construct(
         path=[*spec.constraints.path, *own.constraints.path],

@@ -91,6 +91,11 @@ class Spec(Entry):
         max_length=MAX_NAMES,
         description="expressions that are zero at every time: as many as algebraic variables and implicit rates",
     )
+    integrals: dict[str, NamedExpression] = Field(
+        {},
+        max_length=MAX_NAMES,
+        description="name -> integrand, or {value, unit, note}; at the ends integral.name is the integral over time",
+    )
     optimize: dict[str, Static] = Field(
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )

@@ -12,6 +12,7 @@ from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
 from .guesses import BAD_GUESS, GUESSES
+from .integrals import INTEGRALS
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
@@ -24,4 +25,5 @@ METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
+    *INTEGRALS,
 ]
