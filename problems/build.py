@@ -10,6 +10,7 @@ from .expressions.expression import Expression
 from .guess import finished, initial_guess
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
+from .measured import measured
 from .names.occurrences import constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
@@ -127,6 +128,7 @@ class _Builder:
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            measured=tuple(measured(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         return within_tables(phase)

@@ -20,7 +20,8 @@ from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
 from .schema.tables import called_names
 from .tables.files import read_files
-from .text import brief, nearest, printable
+from .text import brief, printable
+from .wishes.keys import meant
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
 from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
@@ -94,16 +95,17 @@ def load_text(
     wrong = _default_tolerance(data) if data["mesh"] is chosen else []
     if data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
-    locations = Locations(file, document.lines, given)
+    locations = Locations(file, document.lines, given, document.blocks)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
+    _measured_objective(data)
     if phased:
         _shared_objective(data)
     else:
         early += _missing(data)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
-    if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
+    if not (phased or data.get("states") or data.get("model") or _meant("states", data, Spec.model_fields)):
         early.append(NO_STATES)
     context = {"methods": tuple(methods), CALLED: called_names(data)}
     unread = read_files(data, folder)
@@ -134,24 +136,38 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
 
     With phases these may stand in the first and in the last of them.
     """
-    if data.get("time") is None and not _meant("time", data, Spec.model_fields):
+    if data.get("time") is None:
         data["time"] = {"initial": UNKNOWN, "final": UNKNOWN}
+        if _meant("time", data, Spec.model_fields):
+            return []
         return [Finding(("time",), "time is missing", f"add {messages.how_written(('time',))}")]
     found = []
     time = data.get("time")
     if not isinstance(time, dict):
         return []
+    given = list(time)
     for end in ("initial", "final"):
-        if time.get(end) is None and not _meant(end, time, Time.model_fields):
-            time[end] = UNKNOWN
+        if time.get(end) is not None:
+            continue
+        time[end] = UNKNOWN
+        if not _meant(end, {key: None for key in given}, Time.model_fields, ("time",)):
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
 
 
-def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
+def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
     """Whether a key that is none is a misspelt one that is missing."""
-    return any(nearest(other, known) == key for other in given if other not in known)
+    return any(meant((*path, other), known) == key for other in given if other not in known)
+
+
+def _measured_objective(data: dict[str, Any]) -> None:
+    """With measurements, their residuals are an objective by themselves."""
+    phases = data.get("phases")
+    owners = [data, *(phases.values() if isinstance(phases, dict) else ())]
+    owners = [own for own in owners if isinstance(own, dict)]
+    if any(own.get("measurements") for own in owners) and not any(own.get("objective") for own in owners):
+        data["objective"] = {"minimize": {}}
 
 
 def _shared_objective(data: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """The continuous optimal control problem: nothing discrete and nothing of YAML in it.
 
     minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
-               + M(the ends of all phases, p)
+               + M(the ends of all phases, p) + sum over measurements of  ((h(t_m, x(t_m), p) - y_m) / deviation)^2
     subject to dx/dt = f(t, x, u, z, p),  0 = r(t, x, u, z, p)   at every time      (dynamics, residuals),
                lower <= g(t, x, u, p) <= upper               at every time      (path),
                lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
@@ -126,6 +126,32 @@ class Output:
     unit: str = ""
 
 
+@short_repr
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of a phase that was measured: h(t, x, p), and its values at some times.
+
+    name: in results. column: of the data. function, expression: h, and as it is written. times: (M,) within the phase,
+    which do not fall. values, deviations: (M,) standard deviations. exact: whether these are known; else they are up to
+    a common factor.
+    """
+
+    name: str
+    column: str
+    function: Function
+    expression: str
+    unit: str
+    times: np.ndarray
+    values: np.ndarray
+    deviations: np.ndarray
+    exact: bool
+
+    @property
+    def weights(self) -> np.ndarray:
+        """w = 1 / deviation^2: w (h - value)^2 is added to what is minimised."""
+        return 1 / self.deviations**2
+
+
 class Curves(Protocol):
     """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.
 
@@ -169,6 +195,7 @@ class Phase:
 
     time_unit: the unit of time.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
+    measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     """
 
@@ -187,6 +214,7 @@ class Phase:
     mayer: Function | None = None
     time_unit: str = "s"
     outputs: Mapping[str, Output] = field(default_factory=dict)
+    measured: tuple[Measured, ...] = ()
     time_parameters: Mapping[str, str] = field(default_factory=dict)
 
     def times_in(self, curves: Curves) -> dict[str, float]:

@@ -39,6 +39,7 @@ from ..transcription.solution.objective_error import ObjectiveError, objective_e
 from ..transcription.solution.trajectory import Trajectory
 from .audit.check import ENGINE, Check
 from .audit.junctions import junctions, links
+from .audit.measured import jumps_of_costates
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
 from .audit.starts import starts
@@ -92,6 +93,7 @@ def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold
     yield from between_points(trajectory, tolerance)
     if trajectory.costate is not None:
         yield from optimality(result, number, claimed, tolerance)
+        yield from jumps_of_costates(result, number, tolerance)
     else:
         yield Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates")
 

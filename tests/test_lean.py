@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2"}
+HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2", "latex2mathml"}
 START = "from trajopt.cli.main import main; main()"
 
 

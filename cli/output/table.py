@@ -8,6 +8,7 @@ from typing import Any
 
 from ...problems.text import with_bar
 from ...results.file.summary import causes
+from .estimates import estimate_lines, print_correlation
 from .printing import cell, one_line, print_field, print_table, print_title
 
 MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
@@ -21,11 +22,12 @@ def print_summary(summary: dict[str, Any]) -> None:
     solved = summary["solved"]
     verdict = "NOT SOLVED" if not solved else "solved, tolerance missed" if summary["inaccurate"] else "solved"
     print_title(f"{summary['problem']}: {verdict}", verdict == "solved")
-    for name, text in _rows(summary):
+    for name, text in rows_of(summary):
         print_field(name, text)
 
 
-def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is told of a result, a row of the table each: what it is, and the text."""
     if not summary["solved"]:
         yield "status", summary["message"]
         relief = summary["relief"][:MAX_RELIEF]
@@ -37,6 +39,7 @@ def _rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     several = len(summary["phases"]) > 1
     if several:
         yield from (("phase", _phase_line(name, phase)) for name, phase in summary["phases"].items())
+    yield from estimate_lines(summary["estimates"])
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
     if summary["solved"]:
         yield "bounds", _bounds(summary["overshoot"], several)
@@ -126,6 +129,7 @@ def print_details(summary: dict[str, Any]) -> None:
     """The tables of `show`: every state, control and parameter, and every mesh."""
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
+    print_correlation(summary["estimates"])
     print()
     columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
     right = [column for column in columns if column not in ("method", "status")]

@@ -12,9 +12,9 @@ from collections.abc import Collection
 from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
-from ..text import did_you_mean, excerpt, nearest, shorten
+from ..text import did_you_mean, excerpt, named, nearest, shorten
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
-from .lacking import ALIASES, LACKING, at_another_time
+from .lacking import ALIASES, LACKING, at_another_time, end_meant
 
 ENDS = ("initial", "final")
 DURATION = "duration"  # t[duration]: t[final] - t[initial]
@@ -62,8 +62,15 @@ _OTHER = {
     "−": ("this minus sign is a typographic one", "write a plain -"),
     "–": ("this minus sign is a typographic one", "write a plain -"),
     "√": ("√ is not a function", "write sqrt( )"),
-    "°": ("degrees are not understood", "write radians: multiply by pi/180"),
+    "°": ("angles are in radians", "write 30*pi/180 for 30 degrees"),
 }
+
+
+def _other(character: str) -> tuple[str, str]:
+    """What is said of a character that no expression has; one that cannot be seen is named."""
+    if character.isprintable() or character in _OTHER:
+        return _OTHER.get(character, _STRAY)
+    return f"there is an invisible character here, {named(character)}", "remove it"
 
 
 class ExpressionError(ValueError):
@@ -139,7 +146,7 @@ def _check_token(text: str, token: Token, after: Token) -> None:
     if token.text in LACKING and after.text == "(":
         _fail(text, token, _closing(text, after), *LACKING[token.text])
     if token.category == "other":
-        _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
+        _fail(text, token, token, *_other(token.text))
     if token.text == "//":
         _fail(text, token, token, "// is not an operator", "write / for a division")
     if token.category == "name" and keyword.iskeyword(token.text):
@@ -247,6 +254,8 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
         return
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
+        if before.text != "t" and (end := end_meant(inside)):
+            _fail(text, before, last, "an end of time is called initial or final", f"write {end.format(before.text)}")
         if lack := at_another_time(before.text, inside):
             _fail(text, before, last, *lack)
         if inside == DURATION:
@@ -264,11 +273,25 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
     if before.text in FUNCTIONS:
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
+    if before.category == "number" and token.category == "name":
+        _check_number(text, before, token)
     tail = "(...)" if token.text == "(" else token.text
     if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
+
+
+def _check_number(text: str, number: Token, name: Token) -> None:
+    """A number that goes on in letters, as other languages write it, or that has a unit."""
+    if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
+        plain = (number.text + name.text).replace("_", "")
+        _fail(text, number, name, "there is no _ in a number", f"write {plain}")
+    if number.stop == name.start and (exponent := re.match(r"[dD]([-+]?\d+)", text[name.start :])):
+        last = Token("number", "", name.start, name.start + exponent.end())
+        _fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
+    if name.text in ("deg", "degs", "degree", "degrees"):
+        _fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
 
 
 def _check_call(text: str, name: Token, bracket: Token) -> None:

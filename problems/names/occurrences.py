@@ -17,10 +17,11 @@ from ..yaml.document import Path
 MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
-CONSTANT, TRAJECTORY, BOUNDARY, GUESS = "constant", "trajectory", "boundary", "guess"
+CONSTANT, TRAJECTORY, BOUNDARY, GUESS, MEASURED = "constant", "trajectory", "boundary", "guess", "measured"
 
 SOLVED = frozenset({TRAJECTORY, BOUNDARY})
-"""Contexts of what the equations are made of; a guess is evaluated once, before them."""
+"""Contexts of what the equations are made of; a guess is evaluated once, before them, and what
+is measured at some times only."""
 
 # Sections whose expressions are constants, but for the rates and accelerations among them.
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
@@ -45,7 +46,7 @@ def uses(spec: Spec) -> Iterator[Use]:
     for name, named in spec.expressions.items():
         yield Use(("expressions", name), named.value, TRAJECTORY)
     yield from _dynamics(spec)
-    yield from _guessed(spec)
+    yield from _at_times(spec)
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
@@ -72,10 +73,19 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
-def _guessed(spec: Spec) -> Iterator[Use]:
+def _at_times(spec: Spec) -> Iterator[Use]:
+    """What is guessed over time, and what is measured."""
     for key in _OVER_TIME:
         for name, expression in (getattr(spec.guess, key) or {}).items():
             yield Use(("guess", key, name), expression, GUESS)
+    for name, entry in spec.measurements.items():
+        for column, expression in entry.compare.items():
+            yield Use(measured_path(("measurements", name), column), expression, MEASURED)
+
+
+def measured_path(path: Path, column: str) -> Path:
+    """Where what a column is compared with stands; path: of its measurements."""
+    return (*path, "compare", column)
 
 
 def _constants(value: object, path: Path) -> Iterator[Use]:

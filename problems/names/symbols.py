@@ -14,24 +14,17 @@ from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import did_you_mean, nearest, shorten
+from ..text import did_you_mean, shorten
+from ..wishes.names import name_wish
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
+from .occurrences import BOUNDARY, CONSTANT, GUESS, MEASURED, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
 MAX_KNOWN = 500
-
-# What people call it elsewhere -> what it is here.
-_MEANT = {
-    "e": "exp(...) for a power of e",
-    "duration": "t[duration], which is t[final] - t[initial]",
-    **dict.fromkeys(("tf", "tF", "t_f", "t_final"), "t[final] for the final time"),
-    **dict.fromkeys(("t0", "t_0", "t_initial"), "t[initial] for the initial time"),
-}
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
@@ -196,7 +189,7 @@ class Symbols:
             if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
-            trouble = self._trouble(name, use.context)
+            trouble = self._trouble(name, use.context, use.path)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
                 self._wrong.add(use.path)
@@ -205,11 +198,11 @@ class Symbols:
             self._wrong.add(use.path)
             self.findings += [Finding(use.path, *own) for own in wrong if own]
 
-    def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
+    def _trouble(self, name: Name, context: str, path: Path) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
         if role is None:
-            found = self._unknown(name.name, context)
+            found = self._unknown(name.name, context, path)
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
@@ -217,7 +210,7 @@ class Symbols:
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
-        elif context == GUESS and name.end:
+        elif context in (GUESS, MEASURED) and name.end:
             found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
         elif context == TRAJECTORY and name.end:
             found = (
@@ -238,28 +231,27 @@ class Symbols:
             )
         return found
 
-    def _unknown(self, name: str, context: str) -> tuple[str, str]:
+    def _unknown(self, name: str, context: str, path: Path) -> tuple[str, str]:
         what = f'unknown name "{name}"'
-        if "." in name or name.endswith("]"):
-            return self._no_plain_name(name, context)
-        if name in _MEANT:
-            return what, f"write {_MEANT[name]}"
-        if self._unknown_names >= MAX_SUGGESTIONS:
-            return what, "declare it"
-        self._unknown_names += 1
-        known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
-        known = known[:MAX_KNOWN]
-        if close := nearest(name, [*known, "pi"]):
-            return what, f"did you mean {close}?"
-        return what, f"declare it, for example under parameters: as {name}: 1.0"
-
-    def _no_plain_name(self, name: str, context: str) -> tuple[str, str]:
-        if name.startswith(INTEGRAL):
-            return self._no_integral(name.removeprefix(INTEGRAL), context)
         if name.endswith("]"):
             return self._no_rate(name.partition("[")[0])
-        remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
-        return f'unknown name "{name}": expressions know no modules and no attributes', remedy
+        if name.startswith(INTEGRAL):
+            return self._no_integral(name.removeprefix(INTEGRAL), context)
+        varying = [n for n, role in self.roles.items() if role in VARYING]
+        if wish := name_wish(name, path, varying, [n for n in varying if self.roles[n] == STATE]):
+            return what, wish
+        if "." in name:
+            remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
+            return f"{what}: expressions know no modules and no attributes", remedy
+        return what, self._like(name, context) or _declared(name, context)
+
+    def _like(self, name: str, context: str) -> str:
+        """The question after the known name that is most like this one; "" where there is none."""
+        if self._unknown_names >= MAX_SUGGESTIONS:
+            return "declare it"
+        self._unknown_names += 1
+        known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
+        return did_you_mean(name, [*known[:MAX_KNOWN], "pi"])
 
     def _no_integral(self, name: str, context: str) -> tuple[str, str]:
         """What is wrong with integral.name, which is no value of an integral here."""
@@ -338,6 +330,14 @@ class Symbols:
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = given(expression, self._of_fixed)
+
+
+def _declared(name: str, context: str) -> str:
+    """How a name is declared that an expression uses."""
+    given = f"under parameters: as {name}: 1.0"
+    if context == CONSTANT:
+        return f"declare it, for example {given}"
+    return f"declare it: under controls: as {name}: {{}} if it is to be found, {given} if it is given"
 
 
 def with_article(role: str) -> str:

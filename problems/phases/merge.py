@@ -153,6 +153,7 @@ def _merged(
             "residuals": spec.residuals if own.residuals is None else own.residuals,
             "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
+            "measurements": own.measurements,
             "phases": {},
             "links": [],
             "waypoints": [],

@@ -20,6 +20,10 @@ OLDER = "an older version of trajopt wrote this result, which is to be solved ag
 
 LARGEST_NUMBER = 1e300  # of a reference
 
+NEGLIGIBLE = 1e-6
+"""Of 1 + |objective|: a number is not listed if doubling it, or adding 1, changes the objective by less; it is what the
+barrier of the engine leaves of bounds that do not act."""
+
 
 def summarize(path: Path) -> dict[str, Any]:
     """Read a result file; plain numbers, strings, lists and dictionaries only, NaN and infinity as None.
@@ -64,6 +68,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "overshoot": _overshoot(file),
         "sensitivities": _sensitivities(file),
         "phases": _phases(file),
+        "estimates": _estimates(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
     }
@@ -135,6 +140,20 @@ def _sensitivities(file: h5py.File) -> dict[str, Any]:
     return {"missing": group.attrs["missing"], "numbers": numbers}
 
 
+def telling(summary: dict[str, Any]) -> list[str]:
+    """The numbers of the file that the objective hangs on, or that there is something to know of, the largest effect
+    first. summary: as `summarize` gives it."""
+    numbers, scale = summary["sensitivities"]["numbers"], 1 + abs(summary["objective"] or 0.0)
+    effects = {path: _effect(own) for path, own in numbers.items()}
+    listed = [path for path, effect in effects.items() if effect > NEGLIGIBLE * scale or numbers[path]["note"]]
+    return sorted(listed, key=lambda path: -effects[path])
+
+
+def _effect(own: dict[str, Any]) -> float:
+    """What of the objective hangs on a number: its derivative times 1 + |the number|; 0 if it is not known."""
+    return abs(own["derivative"]) * (1 + abs(own["value"])) if own["derivative"] is not None else 0.0
+
+
 def _phases(file: h5py.File) -> dict[str, Any]:
     """The phases by name, with method and number of segments of the last mesh."""
     last = meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])
@@ -158,6 +177,25 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
+    }
+
+
+def _estimates(file: h5py.File) -> dict[str, Any] | None:
+    """The estimated parameters with their standard errors and correlation; None where nothing was measured."""
+    if "estimates" not in file:
+        return None
+    group = file["estimates"]
+    names = list(group["parameter"].asstr()[:])
+    units = {name: unit_of(value) for phase in file["phase"].values() for name, value in phase["parameter"].items()}
+    rows = zip(names, group["value"][:], group["standard_error"][:], strict=True)
+    return {
+        "parameters": {
+            name: {"value": value, "standard_error": error, "unit": units.get(name, "")} for name, value, error in rows
+        },
+        "correlation": {
+            name: dict(zip(names, row, strict=True)) for name, row in zip(names, group["correlation"][:], strict=True)
+        },
+        **{key: group.attrs[key] for key in ("residuals", "measurements", "free", "scale", "given", "missing")},
     }
 
 

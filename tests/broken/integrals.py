@@ -23,9 +23,7 @@ INTEGRALS = [
     edit(
         "a total over time", "rate: v,", "rate: v*integral.work,", "states.x.rate", "write work for the integral so far"
     ),
-    edit(
-        "a total in a bound", "upper: 3}", "upper: integral.work}", "constraints.path.0.upper", "before the solution"
-    ),
+    edit("a total in a bound", "upper: 3}", "upper: integral.work}", "constraints.path.0.upper", "before the solution"),
     edit(
         "a total in a named one", "power: u*v", "power: integral.work", "expressions.power", "known at the final time"
     ),

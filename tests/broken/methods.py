@@ -110,8 +110,8 @@ SOLVERS = [
 
 # Signs, slopes and sizes of slack variables need every range of the file, also one that is mistaken itself.
 RANGES = [
-    nonsmooth("a range of no value", "u_max: 5", "u_max: 5 N", "parameters.u_max", "an operator is missing"),
+    nonsmooth("a range of no value", "u_max: 5", "u_max: 5 N", "parameters.u_max", "{value: 5, unit: N}"),
     nonsmooth("a range of a list", "u_max: 5", "u_max: [5]", "parameters.u_max", "a number or an expression"),
-    nonsmooth("a broken bound", "lower: -2", "lower: 2 m", "states.x.lower", "an operator is missing"),
+    nonsmooth("a broken bound", "lower: -2", "lower: 2 m", "states.x.lower", "write lower: 2"),
     nonsmooth("a range of nothing", "u_max: 5", "u_max: .nan", "parameters.u_max", "NaN is not a number"),
 ]

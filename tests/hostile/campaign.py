@@ -37,6 +37,7 @@ COMMANDS = {
     "plot": ["plot", "FILE", "-o", "plot.png", "--force"],
     "errors": ["plot", "FILE", "--error", "--mesh", "-o", "errors.pdf", "--force"],
     "animate": ["animate", "FILE", "-o", "poses.png", "--frames", "2", "--force"],
+    "report": ["report", "FILE", "-o", "page.html", "--no-verify", "--force"],
     "verify": ["verify", "FILE"],
     "read": ["FILE"],  # trajopt.read, from Python
     "over it": ["solve", "tiny.yaml", "-q", "-o", "FILE"],
@@ -198,6 +199,7 @@ def preload() -> None:
     import trajopt.results.pictures.error_plots
     import trajopt.results.pictures.mesh_plots
     import trajopt.results.python.solving
+    import trajopt.results.report.result
     import trajopt.results.verify
     import trajopt.transcription.failure.relax
     import trajopt.transcription.solve  # noqa: F401
