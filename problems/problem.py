@@ -119,6 +119,18 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Complementarity:
+    """a >= 0, b >= 0 and a*b = 0 at every time, relaxed to a*b <= allowed.
+
+    name: also that of the path constraint on the product.
+    """
+
+    name: str
+    product: Function
+    allowed: float
+
+
+@dataclass(frozen=True)
 class Output:
     """A function over time, and its unit."""
 
@@ -193,7 +205,7 @@ class Guess:
 class Phase:
     """One phase: its own time, states, controls and constraints.
 
-    time_unit: the unit of time.
+    time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
     measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
@@ -208,6 +220,7 @@ class Phase:
     algebraic: tuple[Variable, ...] = ()
     residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
+    complementarity: tuple[Complementarity, ...] = ()
     boundary: tuple[Constraint, ...] = ()
     integral: tuple[Constraint, ...] = ()
     lagrange: Function | None = None

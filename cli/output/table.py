@@ -43,6 +43,7 @@ def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
     if summary["solved"]:
         yield "bounds", _bounds(summary["overshoot"], several)
+    yield from (("pair", text) for text in _pairs(summary["phases"], several))
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
@@ -102,6 +103,14 @@ def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
     share = f"{100 * overshoot['share']:.2g} % of its range"
     when = f"t = {overshoot['time']:.4g}" + (f" of phase {overshoot['phase']}" if several else "")
     return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at {when}"
+
+
+def _pairs(phases: dict[str, Any], several: bool) -> Iterator[str]:
+    """How exact it is that one of two things is zero."""
+    for phase, own in phases.items():
+        for name, pair in own["complementarity"].items():
+            when = f"t = {_number(pair['time'], 4)}" + (f" of phase {phase}" if several else "")
+            yield f"{name}: a*b is {_number(pair['product'], 3)} at most, at {when}; relaxed to {pair['allowed']:.3g}"
 
 
 def _reference(summary: dict[str, Any]) -> str:

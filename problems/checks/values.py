@@ -25,6 +25,7 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
+from .complementarity import complementarity_mistakes
 from .ends import impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
@@ -242,6 +243,7 @@ class _Checker:
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
             self.errors += title_troubles((*path, "name"), name, given)
             given.add(name)
+        self.errors += complementarity_mistakes(self.spec, self.symbols, given)
 
     def static_guesses(self) -> None:
         for name, static in self.spec.optimize.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from typing import NamedTuple
 
 from ..expressions.expression import Expression
@@ -50,11 +50,18 @@ def uses(spec: Spec) -> Iterator[Use]:
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
+    yield from _complementary(spec)
     for path, constraint in constraints(spec):
         yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
         for key in ("lower", "upper", "equals"):
             if bound := getattr(constraint, key):
                 yield Use((*path, key), bound, CONSTANT)
+
+
+def _complementary(spec: Spec) -> Iterator[Use]:
+    for i, entry in enumerate(spec.complementarity):
+        yield Use(("complementarity", i, "a"), entry.a, TRAJECTORY)
+        yield Use(("complementarity", i, "b"), entry.b, TRAJECTORY)
 
 
 def constraints(spec: Spec) -> Iterator[tuple[Path, ConstraintEntry]]:
@@ -109,6 +116,12 @@ def constraint_names(spec: Spec) -> list[str]:
     return _names([constraint for _, constraint in constraints(spec)], "constraint")
 
 
+def complementarity_names(spec: Spec) -> list[str]:
+    """A name for each pair, all different, and none of a constraint unless it was given."""
+    texts = [f"{entry.a.text} {entry.b.text}" for entry in spec.complementarity]
+    return _made([entry.name for entry in spec.complementarity], texts, "pair", set(constraint_names(spec)))
+
+
 def residual_names(spec: Spec) -> list[str]:
     """A name for each residual, all different."""
     return _names(spec.residuals, "residual")
@@ -125,14 +138,16 @@ def boundary_names(spec: Spec) -> list[str]:
 
 
 def _names(entries: Sequence[ConstraintEntry | Residual | LinkEntry], default: str) -> list[str]:
+    texts = [entry.expression.text if entry.expression else "" for entry in entries]
+    return _made([entry.name for entry in entries], texts, default)
+
+
+def _made(given: Sequence[str], texts: Sequence[str], default: str, others: Set[str] = frozenset()) -> list[str]:
+    """The names that are given, and for each that is none one of its text."""
     names: list[str] = []
-    taken = {entry.name for entry in entries}
-    for entry in entries:
-        name = entry.name
-        if not name:
-            text = entry.expression.text if entry.expression else ""
-            stem = re.sub(r"\W+", "_", text).strip("_")[:MAX_STEM].strip("_") or default
-            candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
-            name = next(c for c in candidates if c not in taken and c not in names)
-        names.append(name)
+    taken = {*given, *others}
+    for own, text in zip(given, texts, strict=True):
+        stem = re.sub(r"\W+", "_", text).strip("_")[:MAX_STEM].strip("_") or default
+        candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
+        names.append(own or next(c for c in candidates if c not in taken and c not in names))
     return names

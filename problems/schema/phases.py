@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
+from .complementarity import ComplementarityEntry
 from .declarations import (
     LOWER,
     NOTE,
@@ -65,6 +66,9 @@ class PhaseEntry(Entry):
     )
     constraints: Constraints = Field(
         Constraints(), description="of this phase, beside the path constraints of the top level"
+    )
+    complementarity: list[ComplementarityEntry] = Field(
+        [], max_length=MAX_NAMES, description="of this phase, beside those of the top level"
     )
     measurements: dict[str, MeasuredEntry] = Field(
         {}, max_length=MAX_SETS, description="of this phase: name -> {file, compare, deviations}"

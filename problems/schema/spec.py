@@ -17,6 +17,7 @@ from ..models import MODELS
 from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
+from .complementarity import ComplementarityEntry
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .measurements import MAX_SETS, MeasuredEntry
@@ -133,6 +134,9 @@ class Spec(Entry):
         None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
     )
     constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
+    complementarity: list[ComplementarityEntry] = Field(
+        [], max_length=MAX_NAMES, description="pairs that are never both above zero: [{a: gap, b: force}]"
+    )
     guess: GuessEntry = Field(GuessEntry(), description="initial trajectory: linear (default), constants or keyframes")
     scaling: Scaling = Field(
         "none",

@@ -200,6 +200,12 @@ PHASE = Group({
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
+    "complementarity": Each(
+        Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
+        names="pairs",
+        or_none=True,
+        optional=True,
+    ),
     "measured": Each(MEASURED, names="quantities", own=True, optional=True),
 })  # fmt: skip
 """One phase. Another one repeats it."""

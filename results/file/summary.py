@@ -177,6 +177,10 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
+        "complementarity": {
+            name: {key: own[key][()] for key in ("product", "time", "allowed")}
+            for name, own in group.get("complementarity", {}).items()
+        },
     }
 
 

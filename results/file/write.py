@@ -17,6 +17,7 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
+        complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
         measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
                                with expression, that of the model
     /estimates/                where something was measured: parameter and other (names), value, standard_error,
@@ -63,7 +64,7 @@ from ...problems.files import check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured
-from .write_phase import write_parameters, write_phase
+from .write_phase import write_exactness, write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -154,6 +155,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+            write_exactness(group_of(group, "complementarity"), trajectory)
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)
         if solution.estimates:

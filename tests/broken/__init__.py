@@ -6,6 +6,7 @@
 from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
+from .complementarity import COMPLEMENTARITY
 from .dynamics import DYNAMICS, MODELS
 from .ends_over_time import ENDS_OVER_TIME
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
@@ -37,7 +38,7 @@ __all__ = [
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
-    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
+    *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES, *COMPLEMENTARITY),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
     *INTEGRALS,
     *MEASUREMENTS,
