@@ -12,6 +12,7 @@ from .checks.phases import check_spec
 from .checks.repair import repair
 from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
+from .language import loops
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
@@ -22,7 +23,7 @@ from .schema.tables import called_names
 from .tables.files import read_files
 from .text import brief, printable
 from .wishes.keys import meant
-from .yaml.document import MAX_BYTES, decode, dotted, read_document
+from .yaml.document import MAX_BYTES, Document, decode, dotted, read_document
 from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
@@ -84,12 +85,13 @@ def load_text(
     overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
-    document = read_document(text, file)
+    document, numbers, overrides, mistaken = _without_loops(read_document(text, file), overrides)
     phased = bool(document.data.get("phases") or document.data.get("waypoints"))
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
     if document.data.get("mesh") is None:
         document.data["mesh"] = chosen  # so that an override finds its entries
     data, given = override(document, overrides)
+    given = numbers | given
     if data.get("mesh") is None:
         data["mesh"] = chosen
     wrong = _default_tolerance(data) if data["mesh"] is chosen else []
@@ -97,7 +99,7 @@ def load_text(
         data["refine"] = {}
     locations = Locations(file, document.lines, given, document.blocks)
     data.setdefault("name", printable(Path(file).stem))
-    early = wrong + _unsafe_options(data.get("solver"), locations)
+    early = mistaken + wrong + _unsafe_options(data.get("solver"), locations)
     _measured_objective(data)
     if phased:
         _shared_objective(data)
@@ -120,6 +122,22 @@ def load_text(
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def _without_loops(
+    document: Document, overrides: Sequence[str]
+) -> tuple[Document, dict[Place, str], Sequence[str], list[Finding]]:
+    """The document with its templates written out, by parameters that are overridden before.
+
+    Also the paths of these, the overrides that remain, and the mistakes in templates.
+    """
+    if not loops.has_loops(document.data):
+        return document, {}, overrides, []
+    numbers = [text for text in overrides if text.strip().startswith("parameters.")]
+    data, given = override(document, numbers)
+    expanded = loops.written_out(data, document.lines)
+    rest = [text for text in overrides if text not in numbers]
+    return Document(expanded.data, expanded.lines), given, rest, expanded.findings
 
 
 def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:

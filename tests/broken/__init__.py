@@ -14,6 +14,7 @@ from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
 from .guesses import BAD_GUESS, GUESSES
 from .integrals import INTEGRALS
+from .loops import LOOPS
 from .measurements import BAD_MEASURED, MEASURED, MEASUREMENTS
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
@@ -42,4 +43,5 @@ CASES = [
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
     *INTEGRALS,
     *MEASUREMENTS,
+    *LOOPS,
 ]
