@@ -85,7 +85,7 @@ def load_text(
     overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
-    document, numbers, overrides, mistaken = _without_loops(read_document(text, file), overrides)
+    document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
     phased = bool(document.data.get("phases") or document.data.get("waypoints"))
     chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
     if document.data.get("mesh") is None:
@@ -121,23 +121,24 @@ def load_text(
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
-    return spec.attach(text, locations, warnings)
+    unused = {("parameters", name) for name in counted}
+    return spec.attach(text, locations, [w for w in warnings if w.path not in unused or "nowhere" not in w.what])
 
 
 def _without_loops(
     document: Document, overrides: Sequence[str]
-) -> tuple[Document, dict[Place, str], Sequence[str], list[Finding]]:
+) -> tuple[Document, dict[Place, str], Sequence[str], tuple[list[Finding], frozenset[str]]]:
     """The document with its templates written out, by parameters that are overridden before.
 
-    Also the paths of these, the overrides that remain, and the mistakes in templates.
+    Also the paths of these, the overrides that remain, the mistakes in templates, and the parameters that these go by.
     """
     if not loops.has_loops(document.data):
-        return document, {}, overrides, []
+        return document, {}, overrides, ([], frozenset())
     numbers = [text for text in overrides if text.strip().startswith("parameters.")]
     data, given = override(document, numbers)
     expanded = loops.written_out(data, document.lines)
     rest = [text for text in overrides if text not in numbers]
-    return Document(expanded.data, expanded.lines), given, rest, expanded.findings
+    return Document(expanded.data, expanded.lines), given, rest, (expanded.findings, expanded.counted)
 
 
 def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:

@@ -35,11 +35,13 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 class Expanded(NamedTuple):
-    """data: without templates. lines: path -> line of what it was made of. findings: mistakes in templates."""
+    """data: without templates. lines: path -> line of what it was made of. findings: mistakes in templates. counted:
+    parameters that templates go by."""
 
     data: dict[str, Any]
     lines: dict[Path, int]
     findings: list[Finding]
+    counted: frozenset[str]
 
 
 class _Mistaken(Exception):  # noqa: N818 - it ends the expansion of one template
@@ -68,7 +70,24 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     """
     expander = _Expander(lines, _whole_numbers(data.get("parameters")))
     new = expander.mapping(data, (), (), {})
-    return Expanded(new, {**lines, **expander.lines}, expander.findings)
+    texts = " ".join(_texts(data))
+    counted = expander.numbers.keys() & {*_NAME.findall(texts)}
+    return Expanded(new, {**lines, **expander.lines}, expander.findings, frozenset(counted))
+
+
+def _texts(node: Any) -> Iterator[str]:
+    """What loops go over, and what stands in braces, anywhere in plain data."""
+    if isinstance(node, str):
+        yield from _BRACES.findall(node)
+        yield from (node[found.start() :] for found in _SUM.finditer(node))
+    elif isinstance(node, list):
+        for item in node:
+            yield from _texts(item)
+    elif isinstance(node, dict):
+        yield str(node[FOR]) if _is_template(node) else ""
+        for key, value in node.items():
+            yield key if _KEY.fullmatch(key) else " ".join(_BRACES.findall(key))
+            yield from _texts(value)
 
 
 def _whole_numbers(parameters: Any) -> dict[str, int | str]:

@@ -95,5 +95,5 @@ def test_texts_outside_of_templates_keep_their_braces():
 
 def test_the_shipped_chain():
     solution = trajopt.solve(trajopt.load("heated_rod"))
-    assert solution.solved
+    assert solution.solved and not load(shipped()["heated_rod"]).warnings
     assert solution.objective == pytest.approx(load(shipped()["heated_rod"]).reference.objective, rel=1e-7)
