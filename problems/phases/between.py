@@ -14,7 +14,8 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Chain, External, Link, Name, Node, below, leaves, rebuilt
 from ..language.walk import mapped
 from ..names import lookups
-from ..names.symbols import INTEGRAL, TABLE, Symbols, no_value, range_of
+from ..names.roles import TABLE
+from ..names.symbols import INTEGRAL, Symbols, no_value, range_of
 from ..problem import Range
 from ..schema.fields import Bounded
 from ..text import did_you_mean
