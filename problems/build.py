@@ -105,6 +105,8 @@ class _Builder:
             symbols.range(time.initial, ("time", "initial"), time.unit),
             symbols.range(time.final, ("time", "final"), time.unit),
         )
+        if spec.static:
+            times = Range(0.0, 0.0), Range(0.0, 0.0)
         states = tuple(map(self.state, symbols.states))
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
@@ -133,6 +135,7 @@ class _Builder:
             lagrange=self.term("integral"),
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
+            steps=round(times[1].lower - times[0].lower) if spec.discrete else 0,
             outputs=self.outputs(),
             measured=tuple(measured(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
@@ -208,6 +211,9 @@ class _Builder:
         if state.rate is None:
             assert equations is not None  # a state without an expression for its rate is a model's
             return equations.rates[state.name]
+        if state.rate_path[-1:] == ("next",):
+            following = self.rewritten.expressions.get(state.rate_path, state.rate)
+            return self.bound(following.less(state.name))
         return self.function(state.rate_path, state.rate)
 
     def delayed(self, own: DelayedState) -> Delayed:

@@ -17,7 +17,8 @@ from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
 from .schema.fields import CALLED, STORED
-from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
+from .schema.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
+from .schema.solving import ENGINES, Solver
 from .schema.spec import Spec
 from .schema.tables import called_names
 from .tables.files import read_files
@@ -86,29 +87,10 @@ def load_text(
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
-    phased = bool(document.data.get("phases") or document.data.get("waypoints"))
-    chosen = [{"method": DEFAULT_METHOD, "segments": DEFAULT_SEGMENTS}]
-    if document.data.get("mesh") is None:
-        document.data["mesh"] = chosen  # so that an override finds its entries
-    data, given = override(document, overrides)
-    given = numbers | given
-    if data.get("mesh") is None:
-        data["mesh"] = chosen
-    wrong = _default_tolerance(data) if data["mesh"] is chosen else []
-    if data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
-        data["refine"] = {}
-    locations = Locations(file, document.lines, given, document.blocks)
-    data.setdefault("name", printable(Path(file).stem))
-    early = mistaken + wrong + _unsafe_options(data.get("solver"), locations)
-    _measured_objective(data)
-    if phased:
-        _shared_objective(data)
-    else:
-        early += _missing(data)
+    data, locations, early = _written_out(document, file, overrides, numbers)
+    early += mistaken
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
-    if not (phased or data.get("states") or data.get("model") or _meant("states", data, Spec.model_fields)):
-        early.append(NO_STATES)
     context = {"methods": tuple(methods), CALLED: called_names(data)}
     unread = read_files(data, folder)
     early += unread
@@ -138,7 +120,42 @@ def _without_loops(
     data, given = override(document, numbers)
     expanded = loops.written_out(data, document.lines)
     rest = [text for text in overrides if text not in numbers]
-    return Document(expanded.data, expanded.lines), given, rest, (expanded.findings, expanded.counted)
+    return Document(expanded.data, expanded.lines, document.blocks), given, rest, (expanded.findings, expanded.counted)
+
+
+def _written_out(
+    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str]
+) -> tuple[dict[str, Any], Locations, list[Finding]]:
+    """The data of a file as the schema knows it: overrides applied, short forms written out, what is left out chosen.
+
+    Also where each value was given, and what is wrong so far. before: the overrides that templates were made by.
+    """
+    chosen = default_mesh()
+    asked = [(key,) for key in ("mesh", "refine") if document.data.get(key) is not None]
+    if document.data.get("mesh") is None:
+        document.data["mesh"] = chosen  # so that an override finds its entries
+    data, given = override(document, overrides)
+    if data.get("mesh") is None:
+        data["mesh"] = chosen
+    wrong = _default_tolerance(data) if data["mesh"] is chosen else []
+    static = is_static(data)
+    if static or is_discrete(data):
+        wrong += exact_mesh(data, asked, given)
+    elif data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
+        data["refine"] = {}
+    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data))
+    data.setdefault("name", printable(Path(file).stem))
+    early = wrong + _unsafe_options(data.get("solver"), locations)
+    _measured_objective(data)
+    if static:
+        return data, locations, early
+    if data.get("phases") or data.get("waypoints"):
+        _shared_objective(data)
+        return data, locations, early
+    early += _missing(data)
+    if not (data.get("states") or data.get("model") or _meant("states", data, Spec.model_fields)):
+        early.append(NO_STATES)
+    return data, locations, early
 
 
 def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:

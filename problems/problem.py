@@ -225,6 +225,8 @@ class Phase:
 
     time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
     delayed: the states that are asked for at earlier times; then both times are fixed.
+    steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
+    then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
     measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
@@ -246,6 +248,7 @@ class Phase:
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
+    steps: int = 0
     outputs: Mapping[str, Output] = field(default_factory=dict)
     measured: tuple[Measured, ...] = ()
     time_parameters: Mapping[str, str] = field(default_factory=dict)
@@ -253,6 +256,16 @@ class Phase:
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""
         return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
+
+    @property
+    def static(self) -> bool:
+        """Whether nothing in it varies: a phase of no duration, for what is about static parameters alone."""
+        return not (self.states or self.inputs)
+
+    @property
+    def exact(self) -> bool:
+        """Whether its nonlinear program is the problem itself: no method approximates anything in it."""
+        return self.static or self.steps > 0
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
@@ -304,7 +317,8 @@ class Phase:
         """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
-            return np.stack([np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states])
+            rates = [np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states]
+        return np.stack(rates) if rates else np.zeros((0, *np.shape(t)))
 
 
 @dataclass(frozen=True)

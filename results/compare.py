@@ -26,7 +26,8 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
     objective_error: its error bar, None where there is none. difference: of the objective from the first;
     state_difference: the largest distance of any state from the first's,
     relative to that state's range, at equal fractions of the duration, and that state's name; NaN if one of the two has
-    no finite values. objective and difference: None where there is none. other_problem: path in the problem file ->
+    no finite values. Without time it is that of the static parameters, relative to 1 + their size. objective and
+    difference: None where there is none. other_problem: path in the problem file ->
     (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no result,
     SpecError if it has no state or phase in common with the first.
     """
@@ -83,10 +84,11 @@ def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCur
         name: distance
         for a, b in zip(first, other, strict=False)
         if a.name == b.name
-        for name, distance in _state_distances(a, b).items()
+        for name, distance in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
     }
     if not distances:
-        what = "it has no state in common with the first result"
+        kind = "state" if any(phase.curves["state"] for phase in first) else "parameter"
+        what = f"it has no {kind} in common with the first result"
         if {phase.name for phase in first} != {phase.name for phase in other}:
             what = "its phases have other names than those of the first result"
         raise SpecError(Mistake(str(path), what, "compare like with like"))
@@ -102,6 +104,11 @@ def _state_distances(a: PhaseCurves, b: PhaseCurves) -> dict[str, float]:
             own, others = _values(a, curve.dense, s), _values(b, b.curves["state"][name].dense, s)
             distances[name] = float(np.abs(own - others).max() / (np.ptp(curve.dense) or 1.0))
     return distances
+
+
+def _parameter_distances(a: PhaseCurves, b: PhaseCurves) -> dict[str, float]:
+    common = [name for name in a.parameters if name in b.parameters and not b.curves["state"]]
+    return {name: abs(a.parameters[name] - b.parameters[name]) / (1 + abs(a.parameters[name])) for name in common}
 
 
 def _values(phase: PhaseCurves, dense: np.ndarray, s: np.ndarray) -> np.ndarray:
@@ -123,4 +130,5 @@ def _values(phase: PhaseCurves, dense: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 
 def _fractions(t: np.ndarray) -> np.ndarray:
+    """Times as fractions of the duration."""
     return (t - t[0]) / (t[-1] - t[0])

@@ -18,6 +18,8 @@ Starts        Solved anew from other starts, the problem has no better objective
 Phases        Links hold, and H is the same on both sides of a passage whose time is free.
 Stored        The arrays that people read are those of the solver's point, which meets the constraints at the points,
               and the error bar of the objective is small.
+Exact         What is in discrete time, or without time, is its own nonlinear program: the steps, the costate equation,
+              the signs of multipliers and second derivatives are looked at in place of the above (see `audit.exact`).
 Constraints   Bounds and path constraints, on a grid between the collocation points; less strictly within a jump of a
               control, where no mesh makes them hold.
 Reference     The objective beside the problem file's own reference, unless the command line changed the problem.
@@ -38,12 +40,13 @@ from ..transcription.solution.error import error_profile
 from ..transcription.solution.objective_error import NOT_UNIQUE, ObjectiveError, objective_error
 from ..transcription.solution.trajectory import Trajectory
 from .audit.check import ENGINE, Check
+from .audit.exact import discrete_optimality, static_optimality, steps, whole_program
 from .audit.junctions import junctions, links
 from .audit.measured import jumps_of_costates
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
 from .audit.starts import starts
-from .audit.stored import stored
+from .audit.stored import MISSED, stored
 from .audit.trajectory import between_points, complementary, held_control, simulation
 from .file.reload import Reloaded, reload
 
@@ -75,6 +78,8 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
         checks.append(Check("error bar of the objective, relative", relative, tolerance))
     for trajectory, check in pontryagin(result, claimed):
         checks += _told(result, trajectory, [check])
+    if all(phase.exact for phase in result.problem.phases):
+        checks += whole_program(result)
     checks += starts(result, estimate, tolerance)
     if (reference := result.spec.reference) and not result.overrides:
         difference = abs(result.objective - reference.objective)
@@ -87,6 +92,9 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
 def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold: float | None) -> Iterator[Check]:
     """The checks of one phase."""
     trajectory = result.trajectories[number]
+    if trajectory.phase.exact:
+        yield from _exact(result, number, claimed, tolerance)
+        return
     yield from simulation(trajectory, error_profile(trajectory), tolerance)
     if hold is not None:
         yield from held_control(trajectory, hold, tolerance)
@@ -99,6 +107,17 @@ def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold
         yield from jumps_of_costates(result, number, tolerance)
     else:
         yield Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates")
+
+
+def _exact(result: Reloaded, number: int, claimed: float, tolerance: float) -> Iterator[Check]:
+    """The checks of a phase in discrete time, or without time."""
+    trajectory = result.trajectories[number]
+    if trajectory.phase.static:
+        yield from static_optimality(result, number)
+        return
+    yield from steps(trajectory, max(MISSED, ENGINE * result.records[-1].tolerance), tolerance)
+    yield from between_points(trajectory, tolerance)
+    yield from discrete_optimality(result, number, claimed, tolerance)
 
 
 def _told(result: Reloaded, trajectory: Trajectory, checks: Iterable[Check]) -> Iterator[Check]:

@@ -78,7 +78,9 @@ class Reference:
     def values(self, suffix: str) -> dict[str, float]:
         values = dict(zip(self.names(suffix), self.z.tolist(), strict=True))
         if suffix == ".tex":  # it names the times even where they are fixed
-            times = [t for block in self.transcription.model.phase.values() for t in (block.t0, block.tF)]
+            varying = [phase.name for phase in self.problem.phases if not phase.static]
+            blocks = [self.transcription.model.phase[name] for name in varying]
+            times = [t for block in blocks for t in (block.t0, block.tF)]
             values |= {tex_name(t.name, len(self.meshes) > 1): t.value for t in times if t.fixed}
         return values
 

@@ -25,7 +25,8 @@ def test_a_few_lines_with_the_names_of_the_problem(name):
         assert len(shown.splitlines()) <= 5
         assert max(map(len, shown.splitlines())) < 400
     assert spec.name in repr(spec) and spec.mesh[0].method in repr(spec)
-    assert problem.name in repr(problem) and problem.phases[0].states[0].name in repr(problem)
+    first = (problem.phases[0].states or problem.parameters)[0]
+    assert problem.name in repr(problem) and first.name in repr(problem)
 
 
 def test_a_thousand_names_and_a_long_name_are_shortened():

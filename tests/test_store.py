@@ -65,7 +65,9 @@ RUNS = {"solved": {}, "two": {"max_iter": 2}, "one": {"max_wall_time": 1e-6}, "n
 @pytest.mark.parametrize("options", RUNS.values(), ids=RUNS)
 def test_layout_of_a_solved_and_of_a_failed_run(tmp_path, options):
     with h5py.File(save(tmp_path / "a.h5", **options)) as file:
-        only_solved = ["phase/main/error/objective"] * (not options)
+        named = ("throw forwards", "throw upwards", "bounds of angle")
+        priced = ["phase/main/price", *(f"phase/main/price/{name}" for name in named)]
+        only_solved = ["phase/main/error/objective", *priced] * (not options)
         assert members(file) == sorted(LAYOUT + only_solved)
         assert bool(file.attrs["solved"]) is not bool(options)
         assert np.isfinite(file["phase/main/points/state/x"][:]).all()

@@ -8,9 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..problems.phases.merge import phase_specs
+from ..problems.problem import Phase, Problem
 from ..problems.schema.solving import Engine, MeshEntry
 from ..problems.schema.spec import Spec
 from .engines.outcome import Status
+from .measured.knots import measured_fractions, with_knots
+from .schemes.discrete import DISCRETE, STATIC
 from .schemes.mesh import Mesh
 from .schemes.table import find
 
@@ -36,6 +39,25 @@ class Step:
             return Mesh.of(find(self.method, self.degree, self.form, self.substeps, self.control), self.segments)
         widths = np.ones(len(self.degree)) if isinstance(self.segments, int) else np.asarray(self.segments)
         return Mesh(tuple(find(self.method, int(n), self.form) for n in self.degree), widths)
+
+
+def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
+    """The mesh of each phase, with knots at the times of its measurements; of one that is exact, what it needs.
+
+    problem: of any number of phases.
+    steps: one for each.
+    """
+    return [
+        _exact_mesh(phase) or with_knots(step.mesh(), measured_fractions(phase))
+        for phase, step in zip(problem.phases, steps, strict=True)
+    ]
+
+
+def _exact_mesh(phase: Phase) -> Mesh | None:
+    """The steps of discrete time, one segment for a phase without time, None for others."""
+    if phase.static:
+        return Mesh.of(STATIC, 1)
+    return Mesh.of(DISCRETE, phase.steps) if phase.steps else None
 
 
 def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:

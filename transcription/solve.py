@@ -13,16 +13,17 @@ from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
-from .measured.knots import measured_fractions, with_knots
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
 from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
-from .settings import DEFAULT, Refine, Settings, Step
+from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
+from .structure.convexity import kind_of_program
+from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
@@ -67,17 +68,6 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
 def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
     own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
     return problem, meshes_of(problem, own), min(one.tolerance for one in own)
-
-
-def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
-    """The mesh of each phase, with knots at the times of its measurements.
-
-    problem: of any number of phases.
-    steps: one for each.
-    """
-    return [
-        with_knots(step.mesh(), measured_fractions(phase)) for step, phase in zip(steps, problem.phases, strict=True)
-    ]
 
 
 def solve(
@@ -231,6 +221,11 @@ class _Loop:
         gap = _gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
+        if solution.status.usable:
+            continuous = not all(phase.exact for phase in solution.problem.phases)
+            kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
+            own = prices(solved.transcription, solved.nlp, solved.outcome)
+            solution = replace(solution, prices=own, program=kind)
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
         if self.settings.refine and not self.unmet and (why := unminimised(replace(solution, meshes=meshes))):
             notes += (why,)

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...problems.text import with_bar
-from ...results.file.summary import causes
+from ...results.file.summary import CONTINUOUS, DISCRETE, STATIC, causes
 from .estimates import estimate_lines, print_correlation
-from .printing import cell, one_line, print_field, print_table, print_title
+from .printing import cell, one_line, plural, print_field, print_table, print_title
 
+MAX_SHOWN = 8  # values found where there is no time
 MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
 
 HELD = 1e-6
@@ -29,24 +30,57 @@ def print_summary(summary: dict[str, Any]) -> None:
 def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """What is told of a result, a row of the table each: what it is, and the text."""
     if not summary["solved"]:
-        yield "status", summary["message"]
-        relief = summary["relief"][:MAX_RELIEF]
-        yield from zip(("relax", *["or"] * (len(relief) - 1)), relief, strict=True) if relief else ()
-        yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
-        yield "remedy", summary["remedy"]
-    yield "objective", f"{_objective(summary)}  ({summary['sense']}){_reference(summary)}"
-    yield from (("optimum", text) for text in _optimum(summary))
-    several = len(summary["phases"]) > 1
+        yield from _failure(summary)
+    if summary["optimizes"]:
+        yield "objective", f"{_objective(summary)}  ({summary['sense']}){_reference(summary)}"
+        yield from (("optimum", text) for text in _optimum(summary))
+    yield from _found(summary)
+    yield from _shortfalls(summary)
+    yield "mesh" if CONTINUOUS in _kinds(summary) else "size", _size(summary)
+    solves = len(summary["meshes"])
+    yield "iterations", f"{summary['iterations']}" + (f" on {solves} meshes" if solves > 1 else "")
+    seconds = dict(summary["seconds"])
+    total = seconds.pop("total")
+    parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())
+    yield "seconds", f"{total:.3f}  ({parts})"
+    yield "file", summary["file"]
+
+
+def _failure(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Why a problem is not solved, and what to do."""
+    yield "status", summary["message"]
+    relief = summary["relief"][:MAX_RELIEF]
+    yield from zip(("relax", *["or"] * (len(relief) - 1)), relief, strict=True) if relief else ()
+    yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
+    yield "remedy", summary["remedy"]
+
+
+def _kinds(summary: dict[str, Any]) -> set[str]:
+    """What time is in the phases: of STATIC, DISCRETE and CONTINUOUS."""
+    return {phase["kind"] for phase in summary["phases"].values()}
+
+
+def _found(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The phases, or the point where there is no time; how far dynamics and bounds are missed; what program it is."""
+    several, kinds = len(summary["phases"]) > 1, _kinds(summary)
     if several:
         yield from (("phase", _phase_line(name, phase)) for name, phase in summary["phases"].items())
     yield from estimate_lines(summary["estimates"])
-    yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
-    if summary["solved"]:
-        yield "bounds", _bounds(summary["overshoot"], several)
+    if kinds == {STATIC}:
+        yield from _point(next(iter(summary["phases"].values())))
+    if CONTINUOUS in kinds:
+        yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
+        if summary["solved"]:
+            yield "bounds", _bounds(summary["overshoot"], several)
     yield from (("pair", text) for text in _pairs(summary["phases"], several))
-    mesh = summary["meshes"][-1]
+    if summary["program"]:
+        yield "program", summary["program"]
+
+
+def _shortfalls(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What misses the tolerance, what was done beyond what was asked, and why refinement ended."""
     if summary["unmet_count"]:
-        count = f"{summary['unmet_count']} of {mesh['segments']} segments"
+        count = f"{summary['unmet_count']} of {summary['meshes'][-1]['segments']} segments"
         worst = "".join(f"; the worst: {own}" for own in summary["unmet"][:1])
         yield "refinement", f"{count} miss the tolerance{worst}"
     yield from (("note", note) for note in summary["notes"])
@@ -55,15 +89,32 @@ def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "stopped", summary["stopped"]
     if summary["inaccurate"] and not summary["unmet_count"] and not summary["stopped"]:
         yield "accuracy", summary["inaccurate"]
-    methods = ", ".join(dict.fromkeys(phase["method"] for phase in summary["phases"].values()))
-    yield "mesh", f"{methods}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
-    solves = len(summary["meshes"])
-    yield "iterations", f"{summary['iterations']}" + (f" on {solves} meshes" if solves > 1 else "")
-    seconds = dict(summary["seconds"])
-    total = seconds.pop("total")
-    parts = ", ".join(f"{part.replace('_', ' ')} {value:.3f}" for part, value in seconds.items())
-    yield "seconds", f"{total:.3f}  ({parts})"
-    yield "file", summary["file"]
+
+
+def _size(summary: dict[str, Any]) -> str:
+    """The last mesh; of what needs none, steps, unknowns and constraints."""
+    mesh, kinds = summary["meshes"][-1], _kinds(summary)
+    if CONTINUOUS in kinds:
+        methods = ", ".join(dict.fromkeys(phase["method"] for phase in summary["phases"].values()))
+        return f"{methods}, {mesh['segments']} segments, {mesh['unknowns']} unknowns"
+    steps = f"{plural(mesh['segments'], 'step')}, " if DISCRETE in kinds else ""
+    return f"{steps}{plural(mesh['unknowns'], 'unknown')}, {plural(mesh['constraints'], 'constraint')}"
+
+
+def _point(phase: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The values found where there is no time, and what the constraints are worth; the first of many."""
+    found = [
+        f"{name} = {_number(own['value'], 10)} {own['unit']}".rstrip() for name, own in phase["parameters"].items()
+    ]
+    yield "point", _some(found)
+    prices = [f"{name} {_number(value)}" for name, value in phase["prices"].items() if value]
+    if prices:
+        yield "prices", f"{_some(prices)}  (change of the objective with the bound)"
+
+
+def _some(texts: list[str]) -> str:
+    more = f" and {len(texts) - MAX_SHOWN} more" if len(texts) > MAX_SHOWN else ""
+    return ", ".join(texts[:MAX_SHOWN]) + more
 
 
 def _objective(summary: dict[str, Any]) -> str:
@@ -79,7 +130,8 @@ def _optimum(summary: dict[str, Any]) -> Iterator[str]:
         yield f"no error bar: {summary['objective_error_missing']}"
         return
     last_digit = 10.0 ** math.floor(math.log10(float(with_bar(objective, bar)[1])))
-    if better is not None and abs(better - objective) > last_digit:
+    shown_apart = better is not None and with_bar(better, bar)[0] != with_bar(objective, bar)[0]
+    if shown_apart and abs(better - objective) > last_digit:
         yield f"nearer to {with_bar(better, bar)[0]}: the objective with the estimate of its error added"
 
 
@@ -141,11 +193,20 @@ def print_details(summary: dict[str, Any]) -> None:
     print_correlation(summary["estimates"])
     print()
     columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
-    right = [column for column in columns if column not in ("method", "status")]
-    print_table(columns, [_mesh_row(mesh) for mesh in summary["meshes"]], right)
+    rows = [dict(zip(columns, _mesh_row(mesh), strict=True)) for mesh in summary["meshes"]]
+    exact = all(phase["kind"] != CONTINUOUS for phase in summary["phases"].values())
+    shown = [column for column in columns if not (exact and column in ("", "method", "segments", "max eta", "error"))]
+    right = [column for column in shown if column not in ("method", "status")]
+    print_table(shown, [[row[column] for column in shown] for row in rows], right)
 
 
 def _print_phase(name: str, phase: dict[str, Any]) -> None:
+    if phase["kind"] == STATIC:
+        found = [(own, p["unit"], _number(p["value"], 10)) for own, p in phase["parameters"].items()]
+        print()
+        print_table(("", "unit", "value"), found, right=("value",))
+        _print_prices(phase)
+        return
     time, numbers = phase["time"], ("initial", "final", "min", "max")
     times = f"t = {_number(time['initial'])} to {_number(time['final'])} {time['unit']}"
     print(f"\n{one_line(f'phase {name}: {times}')}")
@@ -158,6 +219,14 @@ def _print_phase(name: str, phase: dict[str, Any]) -> None:
         (parameter, p["unit"], _number(p["value"]), "", "", "", "") for parameter, p in phase["parameters"].items()
     ]
     print_table(("", "unit", *numbers, "max eta"), rows, right=(*numbers, "max eta"))
+    _print_prices(phase)
+
+
+def _print_prices(phase: dict[str, Any]) -> None:
+    if phase["prices"]:
+        rows = [(name, _number(value, 10)) for name, value in phase["prices"].items()]
+        print()
+        print_table(("constraint", "dJ/d bound"), rows, right=("dJ/d bound",))
 
 
 def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:

@@ -35,9 +35,14 @@ def _counts(spec: Spec) -> Iterator[tuple[int, str]]:
     from ...problems.names import variables
     from ...problems.phases.merge import phase_specs
 
+    if spec.static:
+        yield len(spec.optimize), "static parameter"
+        yield len(spec.constraints.boundary), "constraint"
+        return
     phases = list(phase_specs(spec).values())
     if len(phases) > 1:
         yield len(phases), "phase"
     yield max(len(variables.states(phase)) for phase in phases), "state"
     yield max(len(variables.controls(phase)) for phase in phases), "control"
-    yield len(phases[0].mesh), "mesh"
+    if not any(phase.discrete for phase in phases):
+        yield len(phases[0].mesh), "mesh"

@@ -37,8 +37,7 @@ def explain(
     Example: trajopt explain cartpole --set parameters.u_max=2
     """
     from ...transcription.failure.relax import explain as run
-    from ...transcription.settings import schedule_of
-    from ...transcription.solve import meshes_of
+    from ...transcription.settings import meshes_of, schedule_of
 
     specs = [spec for source in sources for spec in _specs(source, overrides(set_, method, segments))]
     holds = True

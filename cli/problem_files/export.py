@@ -33,8 +33,7 @@ def export(
 
     from ...problems.build import build
     from ...transcription.export.export import export as write
-    from ...transcription.settings import schedule_of
-    from ...transcription.solve import meshes_of
+    from ...transcription.settings import meshes_of, schedule_of
 
     problem = build(spec)
     with located(spec):

@@ -39,7 +39,7 @@ def plot(
     only: Only = "",
     force: Force = False,
 ) -> None:
-    """Draw states, controls and costates over time.
+    """Draw states, controls and costates over time; without time, two static parameters as a plane.
 
     With --error and --mesh what these say is drawn instead.
 
@@ -88,6 +88,10 @@ def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) ->
     from ...results.pictures.mesh_plots import mesh_figure
     from ...results.pictures.plots import trajectory_figure
 
+    if result.static and len(result.phases[0].parameters) == 2:
+        from ...results.pictures.plane import plane_figure
+
+        return plane_figure(result)
     if kind == "trajectory":
         return trajectory_figure(result, {} if no_bounds else _bounds(result), names)
     return error_figure(result, names) if kind == "error" else mesh_figure(result)

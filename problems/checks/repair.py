@@ -22,6 +22,7 @@ _ROUNDS = 5  # removing one thing may show that another is missing
 _SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "model"}
 _FORMULAS = {
     "rate",
+    "next",
     "accel",
     "value",
     "lower",
@@ -107,7 +108,7 @@ def _keeps_dynamics(node: dict[str, Any], path: Path, extra: bool) -> bool:
     """Mend a state without taking its dynamics, or the name of its velocity, away; whether that was the mistake."""
     key = str(path[-1])
     entry = node.get(key)
-    if extra and meant(path, ("rate", "accel")):
+    if extra and meant(path, ("rate", "next", "accel")):
         node["rate" if "velocity" not in node else "accel"] = UNKNOWN
         del node[key]
         return True

@@ -17,6 +17,7 @@ from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
+from ..phases import timeless
 from ..phases.order import ALONE
 from ..problem import Range
 from ..schema.declarations import TimeEnd
@@ -49,7 +50,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     whole: as of `checks.phases.check_spec`.
     phase: its name; of several, none needs an objective.
     """
-    if not spec.model and not spec.states:
+    if not (spec.model or spec.states or spec.static):
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
@@ -58,7 +59,8 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.names()
     checker.constants()
     checker.varying_at_ends()
-    checker.time()
+    if not spec.static:
+        checker.time()
     for declared in checker.declared():
         checker.bounds(declared.path, declared.entry)
     for name, static in spec.optimize.items():
@@ -71,6 +73,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.static_guesses()
     checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
+    checker.errors += timeless.mistakes(spec, checker.numbers)
     checker.errors += delay_mistakes(spec, checker.symbols, phase == ALONE)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
@@ -287,7 +290,10 @@ class _Checker:
         functions = [self.symbols.function(e) for e in (terms.integral, terms.terminal) if e]
         free = set().union(*(function.names for function in functions)) - {"t"} - fixed
         free_time = spec.time.initial.value is None or spec.time.final.value is None
-        if not free and not (terms.integral and free_time):
+        if spec.static and not free and not spec.constraints.boundary:
+            what = "there is nothing to find: neither an objective nor a constraint asks anything of the parameters"
+            self.error(("optimize",), what, "add objective: {minimize: ...}, or constraints:")
+        elif not (free or spec.static) and not (terms.integral and free_time):
             what = "the objective is a constant: everything in it is fixed"
             remedy = "let it depend on a control, a free state, or a free time"
             self.error(("objective", spec.objective.sense), what, remedy)

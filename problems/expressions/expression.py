@@ -21,7 +21,7 @@ from ..text import shorten, tidy
 from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT, ExpressionError
 from .smooth import STAND_INS
-from .tree import Chain, External, Lookup, Name, Node, Number, Operation, leaves, parse_tree
+from .tree import Chain, External, Link, Lookup, Name, Node, Number, Operation, leaves, parse_tree
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -71,6 +71,11 @@ class Expression:
         """
         own = self.tables if tables is None else tables
         return replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
+
+    def less(self, name: str) -> Expression:
+        """This expression minus a named value: the change in one step, of the value after it."""
+        span, text = (0, len(self.text)), f"({self.text}) - {name}"
+        return replace(self, text=text, root=Chain(*span, self.root, (Link(*span, "-", Name(*span, name, None)),)))
 
     def fault(self, values: Mapping[str, Any]) -> Fault | None:
         """The innermost sub-expression without a finite value; None if the expression is finite everywhere.

@@ -24,9 +24,9 @@ SOLVED = frozenset({TRAJECTORY, BOUNDARY})
 """Contexts of what the equations are made of; a guess is evaluated once, before them, and what
 is measured at some times only."""
 
-# Sections whose expressions are constants, but for the rates and accelerations among them.
+# Sections whose expressions are constants, but for the dynamics among them.
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
-_DYNAMICS = ("rate", "accel")
+_DYNAMICS = ("rate", "next", "accel")
 _OVER_TIME = ("formulas", "simulate")  # of a guess
 
 

@@ -94,7 +94,7 @@ class Symbols:
         self.states, self.controls = variables.states(spec), variables.controls(spec)
         self.algebraic = variables.algebraic(spec)
         groups = {
-            "time": ("t",),
+            "time": () if spec.static else ("t",),
             "parameter": spec.parameters,
             "expression": spec.expressions,
             STATE: [state.name for state in self.states],

@@ -34,7 +34,8 @@ class Declared:
 class DeclaredState(Declared):
     """A state; its entry holds initial and final too.
 
-    rate: an expression of the file or made here; None where a model gives the rate. rate_path: where it would stand.
+    rate: an expression of the file or made here, in discrete time of the next value; None where a model gives the rate.
+    rate_path: where it would stand.
     velocity_of: the state whose rate this one is, else "".
     """
 
@@ -64,8 +65,9 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
     for name, state in own.items():
         path = ("states", name)
         if not state.second_order:
-            rate = state.rate or reference(rate_of(name))
-            positions.append(DeclaredState(name, path, state.unit, state, rate, (*path, "rate")))
+            rate = state.next or state.rate or reference(rate_of(name))
+            key = "rate" if state.next is None else "next"
+            positions.append(DeclaredState(name, path, state.unit, state, rate, (*path, key)))
             continue
         velocity = state.velocity or Velocity()
         speed = velocity.name or f"{name}_dot"

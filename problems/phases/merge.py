@@ -25,7 +25,7 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from .order import ALONE, forward, own_entries
 
-_DYNAMICS = frozenset({"rate", "accel"})  # a state has one of them
+_DYNAMICS = frozenset({"rate", "next", "accel"})  # a state has one of them
 _NAMED = ("parameters", "expressions", "states", "controls", "algebraic", "integrals")
 
 

@@ -100,6 +100,9 @@ class StateEntry(Entry):
         description="time derivative: an expression of t, states, controls and parameters; "
         "without rate: and accel: the residuals determine it, as x[rate]",
     )
+    next: Formula | None = Field(
+        None, description="value at the next step, instead of rate: time is then discrete, t = 0, 1, 2, ..."
+    )
     accel: Formula | None = Field(
         None, description="second derivative, instead of rate: the state then stands for itself and its velocity"
     )
@@ -116,9 +119,12 @@ class StateEntry(Entry):
 
     @model_validator(mode="after")
     def _one_kind_of_dynamics(self) -> Self:
-        for key in ("accel", "velocity"):
+        for key in ("accel", "velocity", "next"):
             if self.rate is not None and getattr(self, key) is not None:
                 raise mistake(f"rate and {key} are both given", f"keep the rate, or state the dynamics by {key}: alone")
+        for key in ("accel", "velocity"):
+            if self.next is not None and getattr(self, key) is not None:
+                raise mistake(f"next and {key} are both given", f"keep next:, or state the dynamics by {key}: alone")
         return self
 
     @property

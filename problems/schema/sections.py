@@ -18,11 +18,26 @@ MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
 
 
+def _short_forms(short: dict[str, Any], core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    """The JSON Schema of a mapping with what `short_forms` writes out: short without time, sum: in discrete time."""
+    reference = either_form(short, core_schema, handler)
+    long = handler.resolve_ref_schema(reference)["anyOf"][1]
+    long["properties"] = long["properties"] | {"sum": long["properties"]["integral"]}
+    return reference
+
+
 class Terms(Entry):
-    """The objective: an integral over time, a function of the two ends, or the sum of both."""
+    """The objective: an integral over time, a function of the two ends, or the sum of both.
+
+    Without time it is an expression; in discrete time sum: stands for integral:.
+    """
 
     integral: Formula | None = Field(None, description="integrand: an expression of t, states, controls, parameters")
     terminal: Formula | None = Field(None, description="function of the ends, such as t[final] or x[final]**2")
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return _short_forms({"type": ["number", "string"]}, core_schema, handler)
 
 
 class Objective(Entry):
@@ -79,6 +94,13 @@ class Constraints(Entry):
     integral: list[ConstraintEntry] = Field(
         [], max_length=MAX_NAMES, description="conditions on the integral over time of an expression"
     )
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        reference = _short_forms({}, core_schema, handler)
+        alternatives = handler.resolve_ref_schema(reference)["anyOf"]
+        alternatives[0] = alternatives[1]["properties"]["boundary"]
+        return reference
 
 
 class GuessEntry(Entry):

@@ -44,7 +44,10 @@ def _alternatives(schema: dict[str, Any]) -> None:
     dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
     wanted = {"anyOf": [{"required": ["objective"]}, {"required": ["measurements"]}]}
     one = {"allOf": [{"required": ["time"]}, wanted, dynamics]}
-    schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
+    others = [{"required": [key]} for key in ("phases", "waypoints")]
+    varying = {"anyOf": [{"required": [key]} for key in ("time", "states", "controls", "algebraic", "model")]}
+    static = {"required": ["optimize"], "not": varying}
+    schema |= {"required": needed, "anyOf": [one, *others, static]}
 
 
 def _or_none(schema: dict[str, Any]) -> None:
@@ -193,6 +196,16 @@ class Spec(Entry):
             remedy = did_you_mean(value, MODELS, f"the models are {', '.join(MODELS)}")
             raise mistake(f'there is no model "{brief(value)}"', remedy)
         return value
+
+    @property
+    def static(self) -> bool:
+        """Whether there is no time: static parameters are all that is to be found."""
+        return bool(self.optimize) and not (self.states or self.model or self.phases or self.waypoints)
+
+    @property
+    def discrete(self) -> bool:
+        """Whether time is discrete: some state is given by its next value."""
+        return any(state.next is not None for state in self.states.values())
 
     @property
     def file(self) -> str:

@@ -17,7 +17,7 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .infer import Reader, Tables, Value
-from .measure import Measure, measured, same
+from .measure import Measure, measured, pure, same
 
 
 class Term(NamedTuple):
@@ -38,7 +38,8 @@ class PhaseUnits:
         self.unknown: dict[Path, str] = {}
         self._derived: dict[str, Value] = {}
         self._open: set[str] = set()
-        self.time = self.unit(("time", "unit"), spec.time.unit)
+        # Discrete time numbers the steps.
+        self.time = pure() if spec.discrete else self.unit(("time", "unit"), spec.time.unit)
         tables = {name: self._table(name) for name in spec.tables}
         symbols = self.symbols
         self.reader = Reader(lambda name: self.of(name.name), tables, symbols.constant_value, symbols.is_constant)
@@ -135,7 +136,10 @@ class PhaseUnits:
         if state.rate is None or state.implicit:
             return
         path = state.rate_path or (*state.path, "velocity")
-        self.reader.agree(path, state.rate, self._per_time(own), f"the rate of {state.name} is")
+        if path[-1] == "next":
+            self.reader.agree(path, state.rate, own if isinstance(own, Measure) else None, f"{state.name} is")
+        else:
+            self.reader.agree(path, state.rate, self._per_time(own), f"the rate of {state.name} is")
 
     def _constraints(self) -> None:
         for own in self.symbols.delayed.values():

@@ -26,16 +26,19 @@ class Locations:
     """Where each path was given: lines in the file, or an override (path -> its text on the command line).
 
     blocks: path of a text that goes on below its key -> its lines, each with its number.
+    short: path of what was written out from a short form -> the path at which that stands.
     """
 
     file: str
     lines: Mapping[Path, int]
     overrides: Mapping[Path, str] = field(default_factory=dict)
     blocks: Mapping[Path, Sequence[tuple[int, str]]] = field(default_factory=dict)
+    short: Mapping[Path, Path] = field(default_factory=dict)
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
         """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read."""
-        ordered = sorted(dict.fromkeys(findings), key=lambda finding: self._line(finding.path))
+        written = (finding._replace(path=self.as_written(finding.path)) for finding in findings)
+        ordered = sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path))
         located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
@@ -46,14 +49,22 @@ class Locations:
         return isinstance(self._origin(path), str)
 
     def known(self, path: Path) -> bool:
+        path = self.as_written(path)
         return path in self.lines or path in self.overrides
+
+    def as_written(self, path: Path) -> Path:
+        """A path in the file as it was written, short forms and all."""
+        for n in range(len(path), 0, -1):
+            if path[:n] in self.short:
+                return (*self.short[path[:n]], *path[n:])
+        return path
 
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
         """Mistakes whose `where` is a path such as solver.max_iter, with the file and line of that path."""
         located = []
         for mistake in mistakes:
             path = tuple(int(step) if step.isdigit() else step for step in mistake.where.split("."))
-            located.append(replace(mistake, where=self._where(path, mistake.what)))
+            located.append(replace(mistake, where=self._where(self.as_written(path), mistake.what)))
         return located
 
     def _origin(self, path: Path) -> int | str:

@@ -30,7 +30,7 @@ class Hamiltonian:
         self.phase: Phase = self.trajectory.phase
         self.points = self.trajectory.mesh.collocated
         phase, sense = self.phase, result.problem.sense
-        costate = sense * self.trajectory.point_costate[:, self.points]
+        costate = sense * self._costate()
         self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
         self.constraints: list[tuple[np.ndarray, Function]] = []
@@ -42,6 +42,14 @@ class Hamiltonian:
             group.append((multiplier, constraint.function))
             if kind is not INTEGRAL:
                 self.equations.append(constraint.bounds.fixed)
+
+    def _costate(self) -> np.ndarray:
+        """lambda at the points, shape (n_x, M); in discrete time that after the step that begins there."""
+        if not self.phase.steps:
+            return self.trajectory.point_costate[:, self.points]
+        assert self.trajectory.costate is not None
+        mesh = self.trajectory.mesh
+        return self.trajectory.costate[:, mesh.offset + mesh.degrees]
 
     def _multipliers(self, result: Reloaded) -> dict:
         """(kind, name) -> the multiplier function at the points; of an integral constraint, its one multiplier."""
@@ -109,7 +117,23 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         yield Check("Hamiltonian along the trajectory", 0.0, 0.0, "not looked at: with delays it is not constant")
     else:
         yield _hamiltonian_drift(hamiltonian, values, slopes, claimed, tolerance)
-    blurred = slopes * _lopsided(hamiltonian)
+    yield from stationarity(result, hamiltonian, values, slopes * _lopsided(hamiltonian), claimed, tolerance)
+    if hamiltonian.phase.found:
+        yield _legendre(hamiltonian, values, t, tolerance)
+
+
+def stationarity(
+    result: Reloaded, hamiltonian: Hamiltonian, values: dict, blurred: np.ndarray, claimed: float, tolerance: float
+) -> Iterator[Check]:
+    """The check of dL/du = 0 for each input.
+
+    result: read back, with multipliers.
+    hamiltonian: of one of its phases.
+    values: at the points.
+    blurred: what the costates may be off by, (n_x, M).
+    claimed, tolerance: as of `optimality`.
+    """
+    t = values["t"]
     engine = _left_by_engine(result, hamiltonian)
     for variable in hamiltonian.phase.found:
         gradient = hamiltonian.derivative(hamiltonian.lagrangian, values, variable.name)
@@ -122,8 +146,6 @@ def optimality(result: Reloaded, number: int, claimed: float, tolerance: float) 
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
         name = f"stationarity dH/d{variable.name}, relative"
         yield Check(name, float(residual[k]), tolerance, at(t[k]))
-    if hamiltonian.phase.found:
-        yield _legendre(hamiltonian, values, t, tolerance)
 
 
 def _left_by_engine(result: Reloaded, hamiltonian: Hamiltonian) -> np.ndarray:

@@ -13,18 +13,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...problems.problem import Problem
+from ...problems.text import shorten
 from ...transcription.engines.outcome import Status
 from ...transcription.one_mesh import Origin, Watch, solve_mesh
+from ...transcription.schemes.discrete import DISCRETE
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings
 from ...transcription.solution.objective_error import ObjectiveError
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.starts.other import other_starts
+from ...transcription.starts.drawn import drawn_starts
+from ...transcription.starts.other import OtherStart, other_starts
 from ..file.reload import Reloaded
 from .check import Check
 from .trajectory import between_points
 
 NAME = "no better objective from other starts, relative"
+DRAWN = 8  # starts of a problem without time
 POINTS = 100  # about: enough to tell one optimum from another
 MOST_ITERATIONS = 150
 TOLERANCE = 1e-8
@@ -61,10 +66,11 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
     A problem file may mean the lesser optimum: where its reference is nearer to the result, the better one is told and
     does not count.
     """
-    if not estimate.applies or not result.solved or not all(phase.controls for phase in result.problem.phases):
+    phases = result.problem.phases
+    if not estimate.applies or not result.solved or not all(phase.controls or phase.static for phase in phases):
         return
     best, meshes = _NOTHING, result.records[-1].grids
-    for start in other_starts(result.problem, False):
+    for start in _origins(result.problem):
         origin = Origin(start.guesses, None)
         if coarse := _coarse(meshes):
             near = _from(result, estimate, coarse, origin, start.words)
@@ -82,8 +88,20 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
     yield Check(NAME, best.better, best.claimed, where)
 
 
+def _origins(problem: Problem) -> Iterator[OtherStart]:
+    """Other first trajectories; without time other values of the static parameters."""
+    if not all(phase.static for phase in problem.phases):
+        yield from other_starts(problem, False)
+        return
+    for guesses in drawn_starts(problem, DRAWN, 0):
+        values = ", ".join(f"{name} = {value:.3g}" for name, value in guesses[0].parameters.items())
+        yield OtherStart(shorten(values), guesses)
+
+
 def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
-    """Meshes of few points by the same methods; None where they are such."""
+    """Meshes of few points by the same methods; None where they are such, or are the steps of discrete time."""
+    if any(mesh.schemes[0] is DISCRETE for mesh in meshes):
+        return None
     if sum(len(mesh.fractions) for mesh in meshes) <= POINTS or all(mesh.segments == 1 for mesh in meshes):
         return None
     schemes = [min(mesh.schemes, key=lambda own: len(own.sigma)) for mesh in meshes]

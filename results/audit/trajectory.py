@@ -59,7 +59,7 @@ def simulation(trajectory: Trajectory, error: ErrorProfile, tolerance: float) ->
         f"{name}, {at(trajectory.knots[k])}",
     )  # fmt: skip
     yield kept
-    whole, scale = np.abs(simulate(trajectory) - knots), _ranges(trajectory)
+    whole, scale = np.abs(simulate(trajectory) - knots), ranges(trajectory)
     for i, state in enumerate(trajectory.phase.states):
         deviation = whole[i] / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
@@ -71,7 +71,7 @@ def simulation(trajectory: Trajectory, error: ErrorProfile, tolerance: float) ->
         yield Check(f"simulated {state.name}, relative to its range", value, tolerance, where)
 
 
-def _ranges(trajectory: Trajectory) -> np.ndarray:
+def ranges(trajectory: Trajectory) -> np.ndarray:
     """What deviations of each state are relative to, shape (n_x,): its range, or its size if it is constant."""
     x = trajectory.dense.x
     size, span = 1 + np.abs(x).max(axis=1), np.ptp(x, axis=1)
@@ -85,7 +85,7 @@ def held_control(trajectory: Trajectory, hold: float, tolerance: float) -> Itera
     hold: the time between two samples, in the phase's unit of time.
     tolerance: of the deviation at the knots, relative to the range of each state.
     """
-    apart, scale = np.abs(_held(trajectory, hold) - trajectory.x[:, trajectory.mesh.knots]), _ranges(trajectory)
+    apart, scale = np.abs(_held(trajectory, hold) - trajectory.x[:, trajectory.mesh.knots]), ranges(trajectory)
     for i, state in enumerate(trajectory.phase.states):
         deviation = apart[i] / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))

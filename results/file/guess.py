@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -64,6 +65,11 @@ def _told(values: Mapping, known: set[str]) -> list[str]:
 def _guess(source: str, file: h5py.File, problem: Problem, phase: Phase) -> Guess:
     names = [phase.name] if phase.name in file["phase"] else list(file["phase"])
     curves = [_curves(source, file["phase"][name]) for name in names]
+    if phase.static:
+        if not curves[0].parameters.keys() & phase.guess.parameters.keys():
+            missing = ", ".join(phase.guess.parameters)
+            raise SpecError(Mistake(source, f"it has none of {missing}", "give a result of a similar problem"))
+        return replace(phase.guess, parameters={**phase.guess.parameters, **curves[0].parameters})
     if not any(state.name in own.values for own in curves for state in phase.states):
         missing = ", ".join(state.name for state in phase.states)
         raise SpecError(Mistake(source, f"it has none of the states {missing}", "give a result of a similar problem"))
@@ -76,9 +82,9 @@ def _curves(source: str, group: h5py.Group) -> Guess:
     time = dense["time"][:]
     known = {name: np.nan_to_num(values[:]) for kind in GUESSED_KINDS for name, values in dense.get(kind, {}).items()}
     parameters = {name: float(np.nan_to_num(value[()])) for name, value in group["parameter"].items()}
-    if not time[-1] > time[0]:
+    if not time[-1] > time[0] and known:
         raise SpecError(Mistake(source, "its duration is zero", "give another result"))
-    s = (time - time[0]) / (time[-1] - time[0])
+    s = (time - time[0]) / ((time[-1] - time[0]) or 1.0)  # a result without time has parameters only
     return Guess(float(time[0]), float(time[-1]), s, known, parameters)
 
 

@@ -36,7 +36,7 @@ class Size:
     least: int = 1
 
 
-POINTS, SEGMENTS, STATES = Size("points"), Size("segments"), Size("states")
+POINTS, SEGMENTS, STATES = Size("points"), Size("segments"), Size("states", least=0)
 KNOTS, SAMPLES = Size("segments", plus=1), Size("segments", plus=1, steps=True)
 
 
@@ -135,7 +135,7 @@ def _curves(where: str) -> dict[str, Array | Group | Each]:
     curve = _CURVE[where]
     return {
         "time": Array(NUMBER, curve.sizes, ordered="times"),
-        "state": Each(curve, names="states", least=1),
+        "state": Each(curve, names="states"),  # none where there is no time
         "control": Each(curve, names="controls"),
         "algebraic": Each(curve, names="algebraic", optional=True),  # the oldest results lack this and the next
         "output": Each(curve, names="outputs", optional=True),
@@ -200,6 +200,7 @@ PHASE = Group({
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
+    "price": Each(Array(NUMBER), optional=True),  # older results have none
     "complementarity": Each(
         Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
         names="pairs",
@@ -272,6 +273,7 @@ SOLVER = Group(
         "unmet": Attribute(TEXTS),
         "unmet_count": Attribute(WHOLE, above=-1),
         "stopped": Attribute(TEXT),
+        "program": Attribute(TEXT, optional=True),
         "notes": Attribute(TEXTS, optional=True),  # results of older versions have none
         "relief": Attribute(TEXTS, optional=True),
         "continuation": Attribute(TEXTS, optional=True),

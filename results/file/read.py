@@ -15,6 +15,7 @@ from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
 from .layout import SOLVER
+from .summary import DISCRETE
 
 if TYPE_CHECKING:
     from ...problems.schema.spec import Spec
@@ -57,7 +58,8 @@ class PhaseCurves:
     curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
-    objective; empty where there is none. measured: the measurements, quantity by quantity.
+    objective; empty where there is none. measured: the measurements, quantity by quantity. discrete: whether its time
+    is: values hold from one point to the next.
     """
 
     name: str
@@ -71,6 +73,7 @@ class PhaseCurves:
     parameters: Mapping[str, float]
     relative: np.ndarray = field(default_factory=lambda: np.empty(0))
     shares: np.ndarray = field(default_factory=lambda: np.empty(0))
+    discrete: bool = False
     measured: tuple[MeasuredPoints, ...] = ()
 
     @property
@@ -144,6 +147,11 @@ class Result:
     def states(self) -> list[str]:
         return self.names("state")
 
+    @property
+    def static(self) -> bool:
+        """Whether nothing in it varies in time."""
+        return not any(self.names(kind) for kind in CURVE_KINDS)
+
     def stated(self) -> tuple[Spec, Problem]:
         """The problem file that was solved, and the problem that it states.
 
@@ -178,7 +186,7 @@ def read(path: Path) -> Result:
             objective=float(file.attrs["objective"]),
             objective_error=bar_of(file.attrs)["objective_error"],
             objective_error_missing=printable(file.attrs.get("objective_error_missing", NO_BAR_YET)),
-            phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
+            phases=tuple(map(_phase, *zip(*file["phase"].items(), strict=True), _methods(file))),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
             text=file["spec/text"].asstr()[()],
@@ -206,7 +214,12 @@ def _ranges(phase: Phase) -> dict[str, Range]:
     return ranges
 
 
-def _phase(name: str, group: h5py.Group) -> PhaseCurves:
+def _methods(file: h5py.File) -> list[str]:
+    """The method of each phase on the last mesh."""
+    return [str(own.attrs["method"]) for own in meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])]
+
+
+def _phase(name: str, group: h5py.Group, method: str) -> PhaseCurves:
     points, dense, time = group["points"], group["dense"], group["points/time"]
     eta, empty = group["error/eta"][:], np.empty(0)
     return PhaseCurves(
@@ -221,6 +234,7 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
         relative=group["error"].get("relative", empty)[:],
         shares=group["error"].get("objective", empty)[:],
+        discrete=method == DISCRETE,
         measured=tuple(_measured(name, own) for name, own in group.get("measured", {}).items()),
     )
 

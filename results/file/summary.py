@@ -20,6 +20,9 @@ OLDER = "an older version of trajopt wrote this result, which is to be solved ag
 
 LARGEST_NUMBER = 1e300  # of a reference
 
+STATIC, DISCRETE, CONTINUOUS = "static", "discrete", "continuous"
+"""What time is in a phase; discrete time is called like its method."""
+
 NEGLIGIBLE = 1e-6
 """Of 1 + |objective|: a number is not listed if doubling it, or adding 1, changes the objective by less; it is what the
 barrier of the engine leaves of bounds that do not act."""
@@ -54,11 +57,13 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
     return {
         "file": str(path),
         **head,
+        "optimizes": _optimizes(file),
         "reference": _reference(file),
         "violations": list(solver["violations"]),
         "unmet": list(solver["unmet"]),
         "unmet_count": solver["unmet_count"],
         "stopped": solver["stopped"],
+        "program": solver.get("program", ""),
         "notes": list(solver.get("notes", ())),  # results of older versions have none
         "relief": list(solver.get("relief", ())),
         "continuation": list(solver.get("continuation", ())),
@@ -96,6 +101,13 @@ def _reference(file: h5py.File) -> dict[str, Any] | None:
     return {**reference, "difference": difference, "agrees": agrees, "overrides": overrides}
 
 
+def _optimizes(file: h5py.File) -> bool:
+    """Whether there is an objective: a system of equations has none but a constant."""
+    objective = stored_problem(file).get("objective")
+    terms = next(iter(objective.values()), None) if isinstance(objective, dict) else None
+    return terms != {"terminal": 0}
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and abs(value) < LARGEST_NUMBER
 
@@ -105,6 +117,8 @@ def _error(file: h5py.File) -> dict[str, Any]:
     worst: dict[str, Any] = {"max_eta": -np.inf}
     for name, phase in file["phase"].items():
         eta = phase["error/eta"][:]
+        if not eta.size:  # no time, no states
+            continue
         segment, state = np.unravel_index(np.nanargmax(np.nan_to_num(eta, nan=np.inf)), eta.shape)
         if not eta[segment, state] <= worst["max_eta"]:
             worst = {
@@ -158,14 +172,27 @@ def _phases(file: h5py.File) -> dict[str, Any]:
     """The phases by name, with method and number of segments of the last mesh."""
     last = meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])
     return {
-        name: {"method": mesh.attrs["method"], "segments": mesh.attrs["segments"], **_phase(group)}
+        name: {
+            "method": mesh.attrs["method"],
+            "segments": mesh.attrs["segments"],
+            "kind": _kind(group, mesh.attrs["method"]),
+            **_phase(group),
+        }
         for (name, group), mesh in zip(file["phase"].items(), last, strict=True)
     }
 
 
+def _kind(group: h5py.Group, method: str) -> str:
+    """What time is in a phase: STATIC for none, DISCRETE, or CONTINUOUS."""
+    if not len(group["error/state"]):
+        return STATIC
+    return DISCRETE if method == DISCRETE else CONTINUOUS
+
+
 def _phase(group: h5py.Group) -> dict[str, Any]:
     points, time = group["points"], group["points/time"]
-    eta = dict(zip(group["error/state"].asstr()[:], np.max(group["error/eta"][:], axis=0), strict=True))
+    worst = np.max(group["error/eta"][:], axis=0)
+    eta = dict(zip(group["error/state"].asstr()[:], worst, strict=True))
     return {
         "time": {"initial": time[0], "final": time[-1], "unit": unit_of(time)},
         "relative_error": np.max(group["error/relative"][:]) if "relative" in group["error"] else np.nan,
@@ -177,6 +204,7 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
+        "prices": {name: value[()] for name, value in group.get("price", {}).items()},
         "complementarity": {
             name: {key: own[key][()] for key in ("product", "time", "allowed")}
             for name, own in group.get("complementarity", {}).items()

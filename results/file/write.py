@@ -17,6 +17,7 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
+        price/<name>           scalar, the change of the objective with the bound of a constraint that holds once
         complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
         measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
                                with expression, that of the model
@@ -34,8 +35,8 @@
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
-                               itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
-                               the way, in words)
+                               itself), program (what kind of program it is, if linear or quadratic), scaling
+                               (sizes of the automatic one, JSON), continuation (the solves on the way, in words)
     /sensitivity/              number, the path of a number of the problem file, and over it value, unit,
                                derivative (of the objective by it; NaN where there is none) and note (why, or
                                what to know); attribute: missing (why there are none at all)
@@ -64,7 +65,7 @@ from ...problems.files import check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured
-from .write_phase import write_exactness, write_parameters, write_phase
+from .write_phase import write_exactness, write_parameters, write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -155,6 +156,8 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+            if solution.prices and solution.prices[number]:
+                write_prices(group_of(group, "price"), solution.prices[number])
             write_exactness(group_of(group, "complementarity"), trajectory)
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)
@@ -254,6 +257,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped
+    group.attrs["program"] = solution.program
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
     group.attrs["continuation"] = texts(map(str, solution.continuation))

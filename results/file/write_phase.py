@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from .arrays import array_of, group_of, scale_of
+from .arrays import array_of, group_of, scale_of, texts
 
 if TYPE_CHECKING:
     from ...problems.problem import Phase, Problem, Variable
@@ -34,7 +34,7 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
         unit = f"{state.unit or '1'}/{phase.time_unit}"
         array_of(profiles, state.name, epsilon, [time], f"d{state.name}/dt - f between collocation points", unit=unit)
     segment = scale_of(errors, "segment", np.arange(trajectory.mesh.segments), "index of the segment, from 0")
-    names = scale_of(errors, "state", [state.name for state in phase.states], "state")
+    names = scale_of(errors, "state", texts(state.name for state in phase.states), "state")
     array_of(errors, "eta", error.eta.T, [segment, names], "integral of |epsilon| over a segment, in the state's unit")
     array_of(
         errors, "relative", error.relative, [segment], "largest eta relative to 1 + size of the state, or of integrals"
@@ -66,6 +66,16 @@ def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, f
     """
     for parameter in problem.parameters:
         array_of(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
+
+
+def write_prices(group: h5py.Group, prices: Mapping[str, float]) -> None:
+    """Write what the constraints of a phase that hold once are worth.
+
+    group: of the prices of one phase, empty.
+    prices: name -> dJ/d(bound), in objective per unit of the constraint.
+    """
+    for name, value in prices.items():
+        array_of(group, name, value, [], f"change of the objective with the bound of {name}")
 
 
 def write_exactness(group: h5py.Group, trajectory: Trajectory) -> None:

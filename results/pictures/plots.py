@@ -62,7 +62,10 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
     for phase in phases:
         curve = phase.curves[kind][name]
         colour = KIND_COLOURS[kind]
-        ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
+        if phase.discrete:
+            ax.step(phase.time, curve.points, where="post", color=colour, label=kind, zorder=2)
+        else:
+            ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
         _draw_points(ax, phase, curve, colour)
         if kind != "costate":
             _draw_measured(ax, phase, name)
@@ -208,6 +211,10 @@ def unlabel(ax: Axes | None) -> None:
 def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     """kind -> the names to draw; kinds without any are left out."""
     known = {name for kind in CURVE_KINDS for name in result.names(kind)}
+    if result.static:
+        what = "there is no time to draw anything over"
+        remedy = "trajopt show lists the values; a picture can be drawn of two static parameters"
+        raise SpecError(Mistake(str(result.path), what, remedy))
     if unknown := [name for name in only if name not in known]:
         what = f'there is no "{unknown[0]}" in {result.path}'
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
@@ -254,12 +261,14 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     """The title: the problem, how the solve ended, objective and mesh; and notes, a line for each."""
     mesh = result.meshes[-1]
     status = "solved" if result.solved else f"NOT SOLVED: {result.message}"
-    letters = int(figure.get_figwidth() / (1.15 * LETTER))
+    letters, exact = int(figure.get_figwidth() / (1.15 * LETTER)), all(phase.discrete for phase in result.phases)
     lines = [
         plain(f"{result.problem}: {status}", letters),
-        plain(f"objective {result.objective:.8g}, max η {mesh.max_eta:.2g}", letters),
-        plain(f"{mesh.method}, {mesh.segments} segments", letters),
+        plain(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
+        plain(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
     ]
+    if result.static:  # no time, no mesh
+        lines[1:] = [plain(f"objective {result.objective:.8g}", letters), ""]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
-        lines[1:] = ["; ".join(lines[1:])]
+        lines[1:] = ["; ".join(filter(None, lines[1:]))]
     head(figure, [*lines, *notes], BLACK if result.solved else VERMILION)

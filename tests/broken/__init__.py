@@ -20,6 +20,7 @@ from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
+from .timeless import TIMELESS
 from .values import KEYS, NUMBERS, STRANGE
 
 __all__ = [
@@ -44,4 +45,5 @@ CASES = [
     *INTEGRALS,
     *MEASUREMENTS,
     *LOOPS,
+    *(*MEASUREMENTS, *TIMELESS),
 ]

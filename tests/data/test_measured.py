@@ -22,8 +22,8 @@ from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.measured.knots import knots_at, measured_fractions, with_knots
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
-from trajopt.transcription.settings import schedule_of, settings_of
-from trajopt.transcription.solve import meshes_of, solve
+from trajopt.transcription.settings import meshes_of, schedule_of, settings_of
+from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, program, transcribe
 
 NONLINEAR = """\

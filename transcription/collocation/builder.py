@@ -19,7 +19,7 @@ from pyomo.core import Constraint, Param, RangeSet, Set, Var
 from ...problems.probe import depends_on, names_asked
 from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Function, Phase, Range
-from ..constraint_kinds import BOUND, BOUNDARY, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
+from ..constraint_kinds import BOUND, BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
 from ..measured.knots import knots_at
 from ..program.templates import item
@@ -161,7 +161,8 @@ class PhaseBuilder(ABC):
             def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index
                 return between(c.bounds, c.function(self.ends(), pyomo))
 
-            self.add(f"boundary{i}", None, rule, BOUNDARY, constraint.name, (0.0, 1.0))
+            kind = CONDITION if self.phase.static else BOUNDARY
+            self.add(f"boundary{i}", None, rule, kind, constraint.name, (0.0, 1.0))
         for i, constraint in enumerate(self.phase.integral):
 
             def rule(block: Any, *, c: PathConstraint = constraint) -> Any:  # Pyomo takes a positional one for an index

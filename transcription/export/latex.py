@@ -77,7 +77,7 @@ class _Document:
         constraints = sum(len(family.span) for family in self.transcription.families)
         self.stream.write(f"\\section*{{{escaped(self.transcription.problem.name)}}}\n")
         self.stream.write(f"{len(self.transcription.variables)} unknowns, {constraints} constraints.\n")
-        for layout in self.transcription.phases:
+        for layout in (layout for layout in self.transcription.phases if not layout.phase.static):
             mesh = layout.mesh
             methods = ", ".join(dict.fromkeys(scheme.name for scheme in mesh.schemes))
             self.stream.write(
@@ -120,7 +120,7 @@ class _Document:
 def _variables(transcription: Transcription) -> Iterator[tuple[str, tuple[str, ...], dict[int | None, Any]]]:
     """(symbol, subscripts but for the point, point -> variable), the point None for what has none."""
     model, phases = transcription.model, transcription.phases
-    for layout in phases:
+    for layout in (layout for layout in phases if not layout.phase.static):
         block, phase = model.phase[layout.phase.name], (layout.phase.name,) if len(phases) > 1 else ()
         yield "t", ("0", *phase), {None: block.t0}
         yield "t", ("F", *phase), {None: block.tF}

@@ -9,7 +9,7 @@ import numpy as np
 from ...problems.probe import names_asked
 from ...problems.problem import Function, Phase, Variable
 from ...problems.text import shorten
-from ..constraint_kinds import BOUNDARY, INTEGRAL, PATH, RESIDUAL
+from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, RESIDUAL
 from ..layout import Transcription
 from ..program.pointwise import PointFunctions
 from ..solution.trajectory import Trajectory, trajectories
@@ -87,7 +87,8 @@ def _functions(phase: Phase) -> Iterator[tuple]:
         yield from ((constraint_named(phase.name, kind, c.name), c.function, False) for c in constraints)
     if phase.mayer:
         yield "terminal objective", phase.mayer, True
-    yield from ((constraint_named(phase.name, BOUNDARY, c.name), c.function, True) for c in phase.boundary)
+    kind = CONDITION if phase.static else BOUNDARY
+    yield from ((constraint_named(phase.name, kind, c.name), c.function, True) for c in phase.boundary)
 
 
 def _point_values(trajectory: Trajectory) -> dict:

@@ -180,6 +180,12 @@ class CompiledNLP:
             np.minimum(f.columns[:, f.code.jacobian_at[:, 1]], n).ravel() for f in self._cost_families
         ]
 
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """Of the constraints and of the objective: 1 for linear, 2 for quadratic, 3 for others."""
+        rows, costs = self._row_families + self._sum_families, self._cost_families
+        return max((f.code.degree for f in rows), default=1), max((f.code.degree for f in costs), default=1)
+
     def rows(self, component: Any) -> np.ndarray:
         """The row numbers of a Constraint, in the order of its index set."""
         return self._rows[component]

@@ -28,6 +28,7 @@ class Code:
 
     value: the outputs. jacobian: dy[o]/dv[j] for (o, j) in `jacobian_at`. hessian: the second derivatives of
     sum_o w[o] y[o] by v[i] and v[j], i >= j, for (i, j) in `hessian_at`. Zeros are left out; None if all are zero.
+    degree: 1 if the outputs are linear in v, 2 if they are quadratic, 3 for all others.
     """
 
     outputs: tuple[se.Basic, ...]
@@ -37,6 +38,7 @@ class Code:
     jacobian_at: np.ndarray
     hessian_at: np.ndarray
     passes: tuple[Callable, ...]
+    degree: int
 
 
 def compile_family(
@@ -108,7 +110,13 @@ def _compile(
         passes = [lambdify(inputs, own, backend) for own in asked_of]
     first, second = (np.array([t[:2] for t in e], dtype=np.intp).reshape(-1, 2) for e in (jacobian, hessian))
     assert value is not None  # a family has outputs
-    return Code(tuple(outputs), value, d_value, d2_value, first, second, tuple(passes))
+    degree = 1 if not hessian else 2 if all(_is_constant(e) for *_, e in hessian) else 3
+    return Code(tuple(outputs), value, d_value, d2_value, first, second, tuple(passes), degree)
+
+
+def _is_constant(derivative: se.Basic) -> bool:
+    """Whether neither variables nor what is looked up stand in a derivative: data and weights do not count."""
+    return all(str(symbol)[0] in "dw" for symbol in derivative.free_symbols)
 
 
 @contextmanager

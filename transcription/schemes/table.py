@@ -19,6 +19,7 @@ from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from ...problems.sets import distinct
 from ...problems.text import did_you_mean
 from ..program.alone import LOCK
+from .discrete import EXACT
 from .finite_difference import FiniteDifference
 from .polynomials import differentiation_matrix, integrated_basis, jacobi_nodes
 from .runge_kutta import CONTROLS, TABLES, Shooting, Table
@@ -273,7 +274,7 @@ def find(
 ) -> Segment:
     """The scheme of a method; the same arguments give the same object.
 
-    name: of a row of METHODS.
+    name: of a row of METHODS, or of what is no method: discrete time, or none.
     degree: of a family; None for DEFAULT_DEGREE, and for a method of one degree.
     form: of the defects of a family, "integral" or "differential"; None for the cheaper one.
     substeps: on each segment of a shooting method; None for DEFAULT_SUBSTEPS.
@@ -282,6 +283,8 @@ def find(
 
     Raises SpecError, with the nearest name, for an unknown one, and for what the method does not have.
     """
+    if name in EXACT:
+        return EXACT[name]
     if name in METHODS:
         scheme = METHODS[name].of_degree(degree, form)
         return scheme if substeps is None and control is None else METHODS[name].shooting(substeps, control)

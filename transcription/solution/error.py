@@ -63,18 +63,25 @@ class ErrorProfile:
 
     @property
     def max_eta(self) -> float:
-        return float(self.eta.max())
+        return float(self.eta.max(initial=0.0))
 
 
 def error_profile(trajectory: Trajectory) -> ErrorProfile:
-    """The error of a trajectory; epsilon is sampled where the trajectory's own dense grid is."""
-    sample, eta = trajectory.dense, _eta(trajectory)
-    size = 1 + np.abs(sample.x).max(axis=1, keepdims=True)
-    relative = np.vstack([eta / size, _quadrature_error(trajectory)]).max(axis=0)
+    """The error of a trajectory; epsilon is sampled where the trajectory's own dense grid is.
+
+    trajectory: of an exact phase (`Phase.exact`) it has no error but what its bounds are exceeded by.
+    """
+    sample, N = trajectory.dense, trajectory.mesh.segments
+    if trajectory.phase.exact:
+        epsilon, eta, relative = np.zeros_like(sample.x), np.zeros((len(sample.x), N)), np.zeros(N)
+    else:
+        epsilon, eta = _epsilon(trajectory, sample), _eta(trajectory)
+        size = 1 + np.abs(sample.x).max(axis=1, keepdims=True)
+        relative = np.vstack([eta / size, _quadrature_error(trajectory)]).max(axis=0)
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
     shown = [e for e in excesses(trajectory) if not e.algebraic]
     excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
-    return ErrorProfile(_epsilon(trajectory, sample), eta, relative, excess, _overshoot(shown, sample.t))
+    return ErrorProfile(epsilon, eta, relative, excess, _overshoot(shown, sample.t))
 
 
 def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:

@@ -13,6 +13,7 @@ from ...problems.problem import Function
 from ...problems.text import short_repr
 from ..constraint_kinds import INTEGRAL
 from ..layout import Layout
+from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import shooting_scheme
 from ..schemes.segment import Group
 from .hamiltonian import Constrained, Values, minimise
@@ -39,6 +40,11 @@ class Terms:
 
     signed: dict[str, np.ndarray]
     shares: np.ndarray
+
+
+def no_terms(mesh: Mesh) -> Terms:
+    """Zero on every segment."""
+    return Terms({kind: np.zeros(mesh.segments) for kind in TERMS}, np.zeros(mesh.segments))
 
 
 @dataclass(frozen=True)
@@ -118,7 +124,7 @@ class PhaseLagrangian:
     # -- terms -------------------------------------------------------------------------------------------------------
 
     def terms(self) -> Terms:
-        terms = Terms({kind: np.zeros(self.mesh.segments) for kind in TERMS}, np.zeros(self.mesh.segments))
+        terms = no_terms(self.mesh)
         for group in self.mesh.groups:
             samples, here, signed = self._samples(group), group.segments, terms.signed
             H = self._hamiltonian(samples.t, samples.x, samples.u, samples.costate)

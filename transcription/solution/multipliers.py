@@ -146,14 +146,24 @@ class Multipliers:
         return np.where(nu + s > 0, nu / np.where(nu + s > 0, nu + s, 1.0), 1.0)
 
     @property
-    def at_ends(self) -> float:
-        """What the gap of inequalities that hold at no more than one instant adds to the objective."""
+    def single(self) -> float:
+        """What the gap of inequalities that hold at no more than one instant adds to the objective.
+
+        In discrete time every instant is one.
+        """
         t = self.transcription
-        ends = [(layout.t, layout.x[:, 0], layout.x[:, -1]) for layout in t.phases]
-        places = distinct(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
+        exact = [layout for layout in t.phases if layout.phase.exact]
+        held = [(own.x.ravel(), own.u.ravel()) for own in exact]
+        held += [(own.t, np.concatenate([own.x[:, 0], own.x[:, -1]])) for own in t.phases]
+        places = distinct(np.concatenate([t.parameters, *(p for own in held for p in own)]))
         places = places[places >= 0]
-        single = [f.rows(self.nlp) for f in t.families if f.kind.multiplier is Multiplier.NUMBER]
-        single += [f.rows(self.nlp)[_at_an_end(f)] for f in t.families if f.kind is PATH and self._of_states_alone(f)]
+        names = {own.phase.name for own in exact}
+        single = [f.rows(self.nlp) for f in t.families if f.kind.multiplier is Multiplier.NUMBER or f.phase in names]
+        single += [
+            f.rows(self.nlp)[_at_an_end(f)]
+            for f in t.families
+            if f.kind is PATH and f.phase not in names and self._of_states_alone(f)
+        ]
         rows = np.concatenate([np.zeros(0, int), *single])
         total = 0.0
         for (z, s, bound), own in zip(self.sides, (places, places, rows), strict=True):

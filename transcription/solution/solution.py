@@ -79,7 +79,8 @@ class Solution:
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. sensitive: computes `sensitivities`. estimates: of the static
-    parameters, where something is measured.
+    parameters, where something is measured. prices: of each phase, see `structure.prices`. program: its kind, in words,
+    if it is linear or quadratic.
     """
 
     problem: Problem
@@ -98,6 +99,8 @@ class Solution:
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
     continuation: tuple[ContinuationStep, ...] = ()
+    prices: tuple[Mapping[str, float], ...] = ()
+    program: str = ""
     estimates: Estimates | None = None
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
 

@@ -168,7 +168,8 @@ class Trajectory:
         if self.phase.measured:
             parts = np.where(self.mesh.weights[points] > 0, self.mesh.slot_parts, 1.0)
         total = np.bincount(points, weights=parts)
-        return np.stack([np.bincount(points, weights=parts * costate) / total for costate in self.costate])
+        own = [np.bincount(points, weights=parts * costate) / total for costate in self.costate]
+        return np.stack(own) if own else np.zeros((0, len(total)))
 
     def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
         """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""
