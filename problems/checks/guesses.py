@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -81,12 +81,12 @@ def _unknown(path: Path, name: str, known: Sequence[str], what: str) -> Finding:
 
 def _twice(guess: GuessEntry) -> Iterator[Finding]:
     """Names that are given in two ways."""
-    for key in ("constants", "formulas", "data", "simulate"):
-        for name in getattr(guess, key) or {}:
-            if (other := guess.named.get(name, key)) != key and (name != TIME or key == "simulate"):
-                other = {"keyframes": "keyframes", "data": "data", "formulas": "a formula"}.get(other, "a constant")
-                what = f"{name} has {other} as well"
-                yield Finding(("guess", key, name), what, "keep one of the two")
+    words = {"constants": "a constant", "formulas": "a formula", "keyframes": "keyframes", "data": "data"}
+    for key, other in combinations((*words, "simulate"), 2):
+        for name in (getattr(guess, key) or {}).keys() & (getattr(guess, other) or {}).keys():
+            if name != TIME:
+                first, second = (key, other) if other in words else (other, key)
+                yield Finding(("guess", first, name), f"{name} has {words[second]} as well", "keep one of the two")
 
 
 def uneven(guess: GuessEntry) -> Iterator[Finding]:

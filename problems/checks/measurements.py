@@ -46,6 +46,8 @@ def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None
             yield from _columns(entry, path, symbols)
             yield from _values(entry, path, symbols)
             yield from _times(entry, path, times)
+        else:
+            yield Finding((*path, "file"), "the columns of the file are missing", "give the CSV file, or data:")
         yield from _functions(entry, path, symbols)
     distinct = {own for entry in spec.measurements.values() for own in entry.data.get(TIME, ())}
     if len(distinct) > MAX_TIMES:

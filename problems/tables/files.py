@@ -68,9 +68,9 @@ def _over_time(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
     )
     for place, owner, key, gaps in [*guesses, *sets]:
         entry = owner.get(key)
-        if not isinstance(entry, dict) or not isinstance(file := entry.get("file"), str) or entry.get("data"):
+        if not isinstance(entry, dict) or not isinstance(entry.get("file"), str | int | float) or entry.get("data"):
             continue
-        del entry["file"]
+        file = str(entry.pop("file"))  # YAML takes 2024 for a number
         if of_result := result_as_guess(file):
             yield Finding((*place, "file"), *of_result)
             continue

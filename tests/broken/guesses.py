@@ -21,6 +21,15 @@ GUESSES = [
     guess(
         "a formula and a constant", "{constants: {u: 1}, formulas: {u: t}}", "constants.u", "u has a formula as well"
     ),
+    guess(
+        "data and keyframes",
+        "{data: {time: [0, 1], x: [0, 1]}, keyframes: {x: [0, 1]}}",
+        "keyframes.x",
+        "x has data as well; keep one",
+    ),
+    guess(
+        "a simulated control that is guessed", "{constants: {u: 1}, simulate: {u: t}}", "simulate.u", "a constant as"
+    ),
     guess("a formula at an end", 'formulas: {u: "t[final]"}', "formulas.u", "which is not known here; write t"),
     guess("a simulated state", "simulate: {x: t}", "simulate.x", "x is not a control"),
     guess("a control of a control", "simulate: {u: power}", "simulate.u", "u is a control, which is not known here"),

@@ -20,6 +20,7 @@ def data(name: str, given: str, says: str, path: str = "data"):
 
 MEASUREMENTS = [
     run("no measurements", "{note: later}", "", "there are no measurements; add file: with a CSV file, or data:"),
+    run("a file that is a number", "{file: 3}", "file", "there is no file 3"),
     run("a file and data", f"{{file: a.csv, {DATA}}}", "", "file and data are both given"),
     run("weights and deviations", f"{{{DATA}, weights: 1, deviations: 1}}", "", "weights are 1/deviation**2"),
     run("a deviation of zero", f"{{{DATA}, deviations: 0}}", "deviations", "the number is 0; write a positive one"),
