@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from .guesses.rates import differentiated
+from .guesses.rates import differentiated, integrated
 from .guesses.rows import Row, Span, combined, rows_of
 from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
@@ -71,7 +71,8 @@ def finished(
     before: Mapping[str, tuple[str, frozenset[str]]],
     shared: frozenset[str],
 ) -> list[Phase]:
-    """The phases with guesses in which velocities are those of their positions, and what is to be simulated is.
+    """The phases with guesses in which velocities are those of their positions, integrals those of the rest, and
+    what is to be simulated is.
 
     phases: in order, with the guesses that they have otherwise.
     specs, symbols: of each phase.
@@ -83,7 +84,7 @@ def finished(
     done: dict[str, Phase] = {}
     for phase in phases:
         spec = specs[phase.name]
-        own = differentiated(phase, shared | spec.guess.named.keys())
+        own = integrated(differentiated(phase, shared | spec.guess.named.keys()), spec.integrals.keys())
         if spec.guess.simulate is not None:
             source, left_out = before.get(phase.name, ("", frozenset()))
             ends = done[source].guess.values if source else {}

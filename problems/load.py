@@ -13,6 +13,7 @@ from .checks.repair import repair
 from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
 from .files import PIPES
+from .language import loops
 from .names.symbols import UNKNOWN
 from .phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from .schema import messages
@@ -86,7 +87,9 @@ def load_text(
     overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
-    data, locations, early = _written_out(read_document(text, file), file, overrides)
+    document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
+    data, locations, early = _written_out(document, file, overrides, numbers)
+    early += mistaken
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     context = {"methods": tuple(methods), CALLED: called_names(data)}
@@ -101,15 +104,33 @@ def load_text(
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
-    return spec.attach(text, locations, [*warnings, *_empty(data)])
+    unused = {("parameters", name) for name in counted}
+    told = [w for w in (*warnings, *_empty(data)) if w.path not in unused or "nowhere" not in w.what]
+    return spec.attach(text, locations, told)
+
+
+def _without_loops(
+    document: Document, overrides: Sequence[str]
+) -> tuple[Document, dict[Place, str], Sequence[str], tuple[list[Finding], frozenset[str]]]:
+    """The document with its templates written out, by parameters that are overridden before.
+
+    Also the paths of these, the overrides that remain, the mistakes in templates, and the parameters that these go by.
+    """
+    if not loops.has_loops(document.data):
+        return document, {}, overrides, ([], frozenset())
+    numbers = [text for text in overrides if text.strip().startswith("parameters.")]
+    data, given = override(document, numbers)
+    expanded = loops.written_out(data, document.lines)
+    rest = [text for text in overrides if text not in numbers]
+    return Document(expanded.data, expanded.lines, document.blocks), given, rest, (expanded.findings, expanded.counted)
 
 
 def _written_out(
-    document: Document, file: str, overrides: Sequence[str]
+    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str]
 ) -> tuple[dict[str, Any], Locations, list[Finding]]:
     """The data of a file as the schema knows it: overrides applied, short forms written out, what is left out chosen.
 
-    Also where each value was given, and what is wrong so far.
+    Also where each value was given, and what is wrong so far. before: the overrides that templates were made by.
     """
     chosen = default_mesh()
     asked = [(key,) for key in ("mesh", "refine") if document.data.get(key) is not None]
@@ -124,7 +145,7 @@ def _written_out(
         wrong += exact_mesh(data, asked, given)
     elif data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
-    locations = Locations(file, document.lines, given, document.blocks, write_out(data))
+    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data))
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
     _measured_objective(data)

@@ -29,6 +29,7 @@ FULL = {
     "refine": {"tolerance": 1e-3, "max_meshes": 2, "objective": 1e-4},
     "residuals": ["m*v[rate] - F", {"name": "force", "expression": "F - u + c*v"}],
     "algebraic": {"F": {"unit": "N", "lower": -9, "upper": 9, "note": "a force"}},
+    "integrals": {"work": {"value": "u*v", "unit": "J", "note": "by the control"}},
     "mesh": [
         {"method": "radau", "segments": [1, 2], "tolerance": 1e-6, "degree": [3, 4], "form": "integral"},
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
@@ -60,6 +61,7 @@ PHASES = {
             "parameters": {"extra": {"value": 0.2, "unit": "1", "note": "another"}}, "expressions": {"twice": "2*v"},
             "states": {"x": {"final": {"lower": 0, "upper": 1}}}, "controls": {"u": {"upper": 4}},
             "algebraic": {"F": {"upper": 8}}, "residuals": ["m*v[rate] - F", "F - u"], "without": ["p"],
+            "integrals": {"work": "u"},
             "objective": {"minimize": {"integral": "u**2 + v**2"}}, "guess": {"constants": {"u": 1}},
             "constraints": {"path": [{"expression": "v", "upper": 9}]}, "mesh": [{"method": "radau", "segments": 3}],
         },

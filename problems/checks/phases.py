@@ -27,6 +27,9 @@ from .guesses import computed_guess, misnamed, uneven, unordered
 from .names import check_names, name_trouble
 from .values import NO_STATES, check_phase
 
+OF_INTEGRALS = ("integral",)
+"""What stands before the point in integral.work is no phase."""
+
 _SMOOTH = "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)"
 
 
@@ -93,7 +96,7 @@ def _structure(spec: Spec) -> Iterator[Finding]:
         yield Finding(("waypoints",), "two waypoints have one name", "give each its own name")
     for i, name in enumerate(names):
         path: Path = ("phases", name) if spec.phases else ("waypoints", i, "name")
-        if trouble := name_trouble(name, keyword.kwlist):
+        if trouble := name_trouble(name, (*keyword.kwlist, *OF_INTEGRALS)):
             yield Finding(path, *trouble)
     yield from _waypoints(spec)
     for i, link in enumerate(spec.links):
@@ -168,7 +171,7 @@ def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
 
 def _absent(spec: Spec, between: Between) -> Iterator[Finding]:
     """What a phase is said to be without, or a link to leave out, is there; a phase that is late has a time."""
-    shared = [*spec.states, *spec.controls, *spec.algebraic]
+    shared = [*spec.states, *spec.controls, *spec.algebraic, *spec.integrals]
     for phase, entry in own_entries(spec).items():
         for i, name in enumerate(entry.without):
             if name not in shared:

@@ -19,7 +19,7 @@ from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
-_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "model"}
 _FORMULAS = {
     "rate",
     "next",
@@ -149,7 +149,7 @@ def _harmless(path: Path) -> Any:
             known = {}
         case ("complementarity" | "constraints", *_, int()):
             known = dict.fromkeys(("a", "b") if path[0] == "complementarity" else ("expression", "equals"), UNKNOWN)
-        case ("parameters" | "expressions" | "residuals", _) | (*_, "initial" | "final"):
+        case ("parameters" | "expressions" | "integrals" | "residuals", _) | (*_, "initial" | "final"):
             known = UNKNOWN
         case ("guess", "constants", _) | ("guess", "keyframes", _, _):
             known = UNKNOWN

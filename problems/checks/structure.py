@@ -13,6 +13,7 @@ from ..models.model import Model
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, untreated
+from ..schema.declarations import IntegralState
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
@@ -178,11 +179,14 @@ def _model(spec: Spec, model: Model) -> Iterator[Finding]:
         yield Finding(("parameters",), what, f"add {name}: under parameters:, in {quantity.unit or 'its unit'}")
     for group in ("states", "controls", "algebraic"):
         known = getattr(model, group)
-        for name in (name for name in getattr(spec, group) if name not in known):
+        given = getattr(spec, group)
+        for name in (name for name in given if name not in known and not isinstance(given[name], IntegralState)):
             others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
             what = f"the model {model.name} has no {brief(name)} among its {group}"
             yield Finding((group, name), what, did_you_mean(name, known, others))
     for name, state in spec.states.items():
+        if isinstance(state, IntegralState):
+            continue
         for key in ("rate", "accel", "velocity"):
             if getattr(state, key) is not None:
                 what = f"the dynamics are those of the model {model.name}"

@@ -10,6 +10,7 @@ from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..language.functions import called_functions
+from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..language.times import TimeParameter
 from ..models import find_model
@@ -51,7 +52,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     """
     if not (spec.model or spec.states or spec.static):
         return [NO_STATES], []
-    called = called_functions(spec)
+    called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
     checker = _Checker(spec)
     checker.errors += mistaken_calls
@@ -87,7 +88,9 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.warnings += odd(spec, checker.symbols)
         checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
-    return checker.errors, checker.warnings
+    found = (checker.errors, checker.warnings)
+    errors, warnings = ([f._replace(path=where_written(written, f.path)) for f in own] for own in found)
+    return errors, warnings
 
 
 class _Checker:

@@ -64,7 +64,9 @@ def _rate(name: str) -> Lack:
 
 
 def _integral(name: str) -> Lack:
-    remedy = "declare a state with this as its rate, or write it under objective: or constraints: as integral:"
+    remedy = (
+        "name the integrand under integrals:, as {work: F*v}, and write integral.work, or integral: in the objective"
+    )
     return Lack(f"there is no {name}: expressions hold values at one time", remedy)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 from .functions import without_functions
+from .integrals import integrals_as_states
 from .times import times_as_parameters
 
 
@@ -14,10 +15,11 @@ def shared_in_plain(spec: Spec) -> tuple[Spec, list[Finding]]:
 
 
 def in_plain(spec: Spec, suffix: str = "") -> tuple[Spec, list[Finding]]:
-    """The spec of one phase in plain expressions, and what is wrong with calls of functions.
+    """The spec of one phase in plain expressions, and what is wrong with functions and integrals.
 
     spec: as the schema has passed it.
     suffix: of the names of parameters that are made for it, different for each phase.
     """
     spec, mistaken = without_functions(spec)
-    return times_as_parameters(spec, suffix), mistaken
+    spec, refused = integrals_as_states(spec)
+    return times_as_parameters(spec, suffix), mistaken + refused

@@ -78,4 +78,4 @@ def _over_time(path: Path) -> bool:
     """Whether the expression at a path is about values at every time; the named ones may be."""
     if path[0] == "constraints":
         return path[1] in ("path", "integral") and path[-1] == "expression"
-    return path[0] in ("expressions", "residuals") or path[-1] in ("rate", "accel", "integral")
+    return path[0] in ("expressions", "residuals") or path[-1] in ("rate", "next", "accel", "integral")

@@ -46,6 +46,7 @@ MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
 
+INTEGRAL = "integral."  # integral.work: the value of an integral
 
 Origin = Callable[[Path], Path]
 """Path of a value in the spec of a phase -> where the file has it."""
@@ -106,6 +107,7 @@ class Symbols:
         }
         self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
+        self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
         self.tables = lookups.fitted(spec, self.findings)
         self.numbers: dict[str, float] = {}
@@ -246,6 +248,8 @@ class Symbols:
         what = f'unknown name "{name}"'
         if name.endswith("]"):
             return self._no_rate(name.partition("[")[0])
+        if name.startswith(INTEGRAL):
+            return self._no_integral(name.removeprefix(INTEGRAL), context)
         varying = [n for n, role in self.roles.items() if role in VARYING]
         if wish := name_wish(name, path, varying, [n for n in varying if self.roles[n] == STATE]):
             return what, wish
@@ -261,6 +265,21 @@ class Symbols:
         self._unknown_names += 1
         known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
         return did_you_mean(name, [*known[:MAX_KNOWN], "pi"])
+
+    def _no_integral(self, name: str, context: str) -> tuple[str, str]:
+        """What is wrong with integral.name, which is no value of an integral here."""
+        if name not in self.integrals:
+            remedy = did_you_mean(name, self.integrals, f"declare it under integrals: as {name}: and the integrand")
+            return f'there is no integral "{name}"', remedy
+        whole = f"integral.{name} is known at the final time"
+        if context == BOUNDARY:
+            return f"integral.{name} is one number", f"write integral.{name}, without [ ]"
+        if context == CONSTANT:
+            return (
+                f"{whole}, but this value must be known before the solution is",
+                "put the condition under constraints:",
+            )
+        return f"{whole}, but this expression is taken at every time", f"write {name} for the integral so far"
 
     def _no_rate(self, name: str) -> tuple[str, str]:
         """What is wrong with name[rate], which is no implicit rate."""

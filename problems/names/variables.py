@@ -14,7 +14,7 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Name, rate_of
 from ..models import find_model
 from ..models.model import Quantity
-from ..schema.declarations import Algebraic, Control, StateEntry, Velocity
+from ..schema.declarations import Algebraic, Control, IntegralState, StateEntry, Velocity
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -55,14 +55,14 @@ def reference(name: str) -> Expression:
 
 
 def states(spec: Spec) -> tuple[DeclaredState, ...]:
-    """The states in the order of the file (of the model), and after them the velocities of those given by accel."""
-    if spec.model:
-        return tuple(
-            DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry)
-            for name, entry, quantity in _of_model(spec.states, StateEntry(), find_model(spec.model).states)
-        )
-    positions, velocities = [], []
-    for name, state in spec.states.items():
+    """The states of the model, those of the file in its order, then the velocities of those given by accel."""
+    of_model = _of_model(spec.states, StateEntry(), find_model(spec.model).states) if spec.model else ()
+    positions = [
+        DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry) for name, entry, quantity in of_model
+    ]
+    velocities = []
+    own = {name: state for name, state in spec.states.items() if not spec.model or isinstance(state, IntegralState)}
+    for name, state in own.items():
         path = ("states", name)
         if not state.second_order:
             rate = state.next or state.rate or reference(rate_of(name))

@@ -11,10 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from ..expressions.expression import Expression
-from ..expressions.tree import External, Name, Node, below, leaves, rebuilt
+from ..expressions.tree import Chain, External, Link, Name, Node, below, leaves, rebuilt
+from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
-from ..names.symbols import Symbols, no_value, range_of
+from ..names.symbols import INTEGRAL, Symbols, no_value, range_of
 from ..problem import Range
 from ..schema.fields import Bounded
 from ..text import did_you_mean
@@ -41,7 +42,7 @@ class Between:
 
     def function(self, expression: Expression) -> Expression:
         """The expression, without mistakes, as a `problem.Function` of the values at the ends of all phases."""
-        root = _renamed(expression.root, self._resolved)
+        root = _renamed(mapped(expression.root, self._summed), self._resolved)
         shared = self.shared
         return replace(expression, root=root).bind(self.numbers, self.definitions, self.static, shared.tables)
 
@@ -72,6 +73,8 @@ class Between:
     def _trouble(self, name: Name, constant: bool) -> tuple[str, str] | None:
         """What is wrong with a name, and the remedy."""
         phase, dot, inner = name.name.partition(".")
+        if name.name.startswith(INTEGRAL):
+            return self._integral_trouble(inner, name, constant)
         if dot and phase not in self.phases:
             remedy = did_you_mean(phase, self.phases, f"the phases are {', '.join(self.phases)}")
             return f'there is no phase "{phase}"', remedy
@@ -86,6 +89,15 @@ class Between:
         plain = inner if dot else name.name
         return self._trouble_in(owners[0], plain, name, constant)
 
+    def _integral_trouble(self, plain: str, name: Name, constant: bool) -> tuple[str, str] | None:
+        known = set().union(*(symbols.integrals for symbols in self.phases.values()))
+        if plain not in known:
+            return f'there is no integral "{plain}"', did_you_mean(plain, known, "declare it under integrals:")
+        if constant:
+            what = f"{name.name} is known at the final time, but this value must be known before the solution is"
+            return what, "use numbers and parameters here"
+        return (f"{name.name} is one number", f"write {name.name}, without [ ]") if name.end else None
+
     def _trouble_in(self, phase: str, plain: str, name: Name, constant: bool) -> tuple[str, str] | None:
         symbols = self.phases[phase]
         if not inner_known(symbols, plain):
@@ -99,6 +111,15 @@ class Between:
             remedy = f"write {name.name}[final] or {name.name}[initial]"
             return f"{name.name} has a value at every time, but this expression is about the ends of phases", remedy
         return None
+
+    def _summed(self, name: Name) -> Node:
+        """For the value of an integral the sum of what each phase has of it."""
+        if not name.name.startswith(INTEGRAL):
+            return name
+        plain, span = name.name.removeprefix(INTEGRAL), (name.start, name.stop)
+        owners = [phase for phase, symbols in self.phases.items() if plain in symbols.integrals]
+        first, *others = (Name(*span, f"{phase}.{plain}", "final") for phase in owners)
+        return Chain(*span, first, tuple(Link(*span, "+", other) for other in others)) if others else first
 
     def _resolved(self, name: Name) -> Name:
         """A name with its phase."""

@@ -12,7 +12,7 @@ from ..names.symbols import Symbols
 from ..problem import Constraint, Function, Phase, Range
 from ..schema.spec import Spec
 from .between import Between
-from .order import TIME, expression_links, goes_on_in_time, passages
+from .order import TIME, expression_links, goes_on_in_time, own_entries, passages
 
 DURATION = "duration"
 """Name of the constraint that a phase does not end before it begins."""
@@ -60,8 +60,9 @@ def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:
         if goes_on_in_time(spec, own) and not (source.final_time.fixed and target.initial_time.fixed):
             links.append(continuity(TIME, own.source, own.target))
         ends = {state.name: state.final for state in source.states}
+        integrals = {*spec.integrals, *own_entries(spec)[own.target].integrals}
         for state in target.states:
-            goes_on = state.name in ends and state.name not in own.left_out
+            goes_on = state.name in ends and state.name not in own.left_out and state.name not in integrals
             if goes_on and not (state.initial.fixed and ends[state.name].fixed):
                 links.append(continuity(state.name, own.source, own.target))
     return links

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
 from ..expressions.tree import Chain, Link, Number, leaves
+from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.drawing import ShapeEntry
@@ -27,7 +28,7 @@ from .order import ALONE, forward, own_entries
 
 _DYNAMICS = frozenset({"rate", "next", "accel"})  # a state has one of them
 _VARIABLES = ("states", "controls", "algebraic")
-_NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
+_NAMED = ("parameters", "expressions", "states", "controls", "algebraic", "integrals")
 
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
@@ -62,8 +63,10 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     path: of the value in `phases_as_written(spec)[phase]`.
     """
     own = own_entries(spec).get(phase)
+    path = where_written(spec, path)
     if own is None or not path:
         return path
+    path = where_written(own, path)
     if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):
         return home(spec, before, ("time", "final", *path[2:]))
     if (found := _constraint(spec, phase, path) or _waypoint(spec, phase, path)) is not None:
@@ -139,7 +142,7 @@ def _merged(
     named["states"] = {
         name: _with_ends(state, own.states.get(name), *ends(name)) for name, state in named["states"].items()
     }
-    for group in _VARIABLES:
+    for group in (*_VARIABLES, "integrals"):
         named[group] = {name: entry for name, entry in named[group].items() if name not in own.without}
     constraints = Constraints.model_construct(
         path=[*spec.constraints.path, *own.constraints.path],

@@ -133,6 +133,10 @@ class StateEntry(Entry):
         return self.accel is not None or self.velocity is not None
 
 
+class IntegralState(StateEntry):
+    """The state that a named integral is, see `language.integrals`; no file has it."""
+
+
 class Control(Entry):
     """A control: a function of time to be found."""
 

@@ -22,6 +22,7 @@ EXAMPLES = {
     "final": "1, or {lower: 0.5, upper: 3}",
     "parameters": "{m: 2.0}",
     "expressions": "{power: u*v}",
+    "integrals": "{work: F*v}",
     "tables": "{rho: {points: {h: [0, 1e4, 2e4]}, values: [1.2, 0.4, 0.09]}}",
     "points": "{h: [0, 1e4, 2e4]}",
     "units": "{h: m}",

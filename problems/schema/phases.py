@@ -52,13 +52,14 @@ class PhaseEntry(Entry):
     algebraic: dict[str, Algebraic] = Field(
         {}, max_length=MAX_NAMES, description=f"algebraic variables {OWN}, key by key"
     )
+    integrals: dict[str, NamedExpression] = Field({}, max_length=MAX_NAMES, description=f"integrals {OWN}")
     residuals: list[Residual] | None = Field(
         None, max_length=MAX_NAMES, description="in place of those of the top level"
     )
     without: list[Text] = Field(
         [],
         max_length=MAX_NAMES,
-        description="names of states, controls and algebraic variables of the top level that this phase has not",
+        description="states, controls, algebraic variables and integrals of the top level that this phase has not",
     )
     objective: Objective | None = Field(
         None, description="terms of this phase, added to those of the others; its integral is in place of the top's"

@@ -104,6 +104,11 @@ class Spec(Entry):
         max_length=MAX_NAMES,
         description="expressions that are zero at every time: as many as algebraic variables and implicit rates",
     )
+    integrals: dict[str, NamedExpression] = Field(
+        {},
+        max_length=MAX_NAMES,
+        description="name -> integrand, or {value, unit, note}; at the ends integral.name is the integral over time",
+    )
     optimize: dict[str, Static] = Field(
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
@@ -288,12 +293,29 @@ class _Definitions(GenerateJsonSchema):
         return super().normalize_name(name).removesuffix("Entry")
 
 
+def _with_templates(node: Any, whole: bool = False) -> None:
+    """Let entries be templates, see `language.loops`; node: of a JSON Schema; whole: the file itself is none."""
+    if isinstance(node, list):
+        for own in node:
+            _with_templates(own)
+    if not isinstance(node, dict):
+        return
+    for own in node.values():
+        _with_templates(own)
+    if isinstance(node.get("properties"), dict) and node.get("additionalProperties") is False and not whole:
+        description = "i in 1..20: this is a template, an entry for each i, which stands in it as {i}"
+        node["properties"]["for"] = {"type": ["string", "array"], "description": description}
+    if isinstance(node.get("additionalProperties"), dict):
+        node["patternProperties"] = {"^for ": {"type": "object"}}
+
+
 def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
     """JSON Schema of a problem file, for editors; `methods` are the names that a mesh entry may give."""
     result = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **Spec.model_json_schema(schema_generator=_Definitions),
     }
+    _with_templates(result, whole=True)
     if methods:
         result["$defs"]["Mesh"]["properties"]["method"]["enum"] = list(methods)
     return result

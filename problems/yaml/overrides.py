@@ -13,7 +13,9 @@ from ..text import did_you_mean
 from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
-_NAMED = frozenset({"phases", "parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"})
+_NAMED = frozenset(
+    {"phases", "parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "tables"}
+)
 _SECTIONS = frozenset(["time", "objective", "constraints", "guess", "refine", "mesh", "solver", "reference"])
 _OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
 

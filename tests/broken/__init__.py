@@ -13,6 +13,8 @@ from .formulas import EXPRESSIONS, NAMES, OVERRIDES
 from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
 from .guesses import BAD_GUESS, GUESSES
+from .integrals import INTEGRALS
+from .loops import LOOPS
 from .measurements import BAD_MEASURED, MEASURED, MEASUREMENTS
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
@@ -40,5 +42,5 @@ METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES, *COMPLEMENTARITY),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
-    *(*MEASUREMENTS, *TIMELESS),
+    *(*MEASUREMENTS, *TIMELESS, *INTEGRALS, *LOOPS),
 ]

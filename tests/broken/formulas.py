@@ -140,7 +140,7 @@ EXPRESSIONS = [
     rate_of_v("random numbers", "u + random()", "write a disturbance as a function of t"),
     rate_of_v("a derivative", "u + diff(x, t)", "write the expression of its rate"),
     rate_of_v("a derivative by der", "u + der(x)", "x[rate] in a residual"),
-    rate_of_v("an integral", "u - integral(x)", "declare a state with this as its rate"),
+    rate_of_v("an integral", "u - integral(x)", "name the integrand under integrals:"),
     rate_of_v(
         "a sign", "u - c*sign(v)", "write sign(v, eps), where eps is the width of the smooth change, or tanh(v/eps)"
     ),

@@ -42,7 +42,9 @@ def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterat
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
     if alone:
         what = f"finite-difference needs second-order dynamics, and '{alone[0]}' has none"
-        yield Mistake("mesh", what, f"give '{alone[0]}' accel: instead of rate:, or take another method")
+        yield Mistake(
+            "mesh", what, f"give '{alone[0]}' accel: instead of rate:, or take another method; so for a named integral"
+        )
     if mesh.segments < 2 or np.ptp(mesh.widths) > 1e-12:
         what = "finite-difference needs two or more equal segments"
         yield Mistake("mesh", what, "give segments: as a number, or take another method")
