@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from .expressions.expression import Expression
+from .expressions.given import given
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
 from .language.plain import shared_in_plain
@@ -58,6 +59,9 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         parameters=(*map(first.static, shared.optimize), *made),
         links=links,
         mayer=mayer,
+        literal=tuple(given(width, first.symbols.function) for width in spec.nonsmooth.widths)
+        if spec.nonsmooth
+        else (),
     )
 
 
