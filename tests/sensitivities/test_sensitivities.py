@@ -174,7 +174,7 @@ def test_a_width_is_not_told_as_one_that_changes_nothing():
 
 def test_where_measurements_are_compared_their_times_are_not_free():
     found = {own.path: own for own in solution_of(load_file("gas_oil_cracking")).sensitivities.all}
-    assert isnan(found["time.final"].derivative) and "measurements" in found["time.final"].note
+    assert isnan(found["time.final"].derivative) and "measured" in found["time.final"].note
     assert found["states.y1.initial"].derivative < 0
 
 
