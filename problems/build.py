@@ -10,9 +10,11 @@ from .expressions.expression import Expression
 from .expressions.given import given
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
+from .guesses.delayed import with_delayed
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
 from .measured import measured
+from .names.delays import DelayedState
 from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
@@ -22,7 +24,7 @@ from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
 from .phases.order import own_entries, with_left_out
-from .problem import Complementarity, Constraint, Function, Output, Phase, Problem, Range, State, Variable
+from .problem import Complementarity, Constraint, Delayed, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.fields import Bounded
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -50,6 +52,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
     )
+    phases = list(map(with_delayed, phases))
     made = [own for builder in builders.values() for own in (*builder.times(), *builder.rewritten.parameters)]
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
@@ -117,6 +120,7 @@ class _Builder:
             states=states,
             controls=controls,
             algebraic=algebraic,
+            delayed=tuple(map(self.delayed, symbols.delayed.values())),
             guess=initial_guess(
                 spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
             ),
@@ -209,6 +213,12 @@ class _Builder:
             assert equations is not None  # a state without an expression for its rate is a model's
             return equations.rates[state.name]
         return self.function(state.rate_path, state.rate)
+
+    def delayed(self, own: DelayedState) -> Delayed:
+        state = next(state for state in self.symbols.states if state.name == own.state)
+        assert state.entry.history is not None  # as checked
+        history = self.symbols.function(state.entry.history)
+        return Delayed(own.name, state.unit, state=own.state, lag=own.lag, history=history)
 
     def residuals(self) -> tuple[Constraint, ...]:
         names = residual_names(self.spec)

@@ -11,7 +11,7 @@
 
 This is problem (1.1)-(1.7) of the paper with static parameters p and algebraic variables z added. There are as many
 residuals r as algebraic variables; they make the dynamics implicit. Where a symbol u stands for an array, its rows are
-the inputs of the dynamics: the controls, then the algebraic variables.
+the inputs of the dynamics: the controls, the states at earlier times, x(t - tau), then the algebraic variables.
 """
 
 from __future__ import annotations
@@ -107,6 +107,24 @@ class State(Variable):
     initial: Range = Range()
     final: Range = Range()
     velocity_of: str = ""
+
+
+@dataclass(frozen=True)
+class Delayed(Variable):
+    """A state at an earlier time, x(t - lag), as the functions of a phase ask for it.
+
+    state: its name. lag: positive, in the phase's unit of time. history: the state before the initial time, a function
+    of t.
+    """
+
+    state: str = field(kw_only=True)
+    lag: float = field(kw_only=True)
+    history: Function = field(kw_only=True)
+
+    def before(self, t: np.ndarray) -> np.ndarray:
+        """The history at times t of any shape."""
+        values: np.ndarray = np.broadcast_to(self.history({"t": t}, np), np.shape(t))
+        return values
 
 
 @dataclass(frozen=True)
@@ -206,6 +224,7 @@ class Phase:
     """One phase: its own time, states, controls and constraints.
 
     time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
+    delayed: the states that are asked for at earlier times; then both times are fixed.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
     measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
@@ -218,6 +237,7 @@ class Phase:
     controls: tuple[Variable, ...]
     guess: Guess
     algebraic: tuple[Variable, ...] = ()
+    delayed: tuple[Delayed, ...] = ()
     residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
     complementarity: tuple[Complementarity, ...] = ()
@@ -236,8 +256,18 @@ class Phase:
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
-        """The controls, then the algebraic variables: the rows of every array u."""
+        """The controls, the states at earlier times, then the algebraic variables: the rows of every array u."""
+        return self.controls + self.delayed + self.algebraic
+
+    @property
+    def found(self) -> tuple[Variable, ...]:
+        """The inputs that are no states at earlier times."""
         return self.controls + self.algebraic
+
+    @property
+    def rows_of_delayed(self) -> slice:
+        """Which rows of u are states at earlier times."""
+        return slice(len(self.controls), len(self.controls) + len(self.delayed))
 
     def __repr__(self) -> str:
         """One line: the time, and the names of what varies in it."""
@@ -263,7 +293,7 @@ class Phase:
 
         t: times, shape (...), in `time_unit`.
         x: states, shape (n_x, ...), each in its unit.
-        u: inputs, shape (n_u, ...): the controls, then the algebraic variables.
+        u: inputs, shape (n_u, ...), as of `inputs`.
         p: name of each static parameter -> its value.
         """
         states = {state.name: row for state, row in zip(self.states, x, strict=True)}

@@ -23,6 +23,7 @@ FULL = {
     "source": "a book",
     "note": "a remark",
     "tags": ["free-time", "smooth"],
+    "units": "off",
     "nonsmooth": {"tanh": [0.01]},
     "scaling": {"u": 5},
     "refine": {"tolerance": 1e-3, "max_meshes": 2, "objective": 1e-4},
@@ -101,6 +102,7 @@ def full_data(key=None):
     data["time"]["final"] = {"lower": 1, "upper": 3, "guess": 2}
     data["states"]["p"] = {
         "unit": "rad", "accel": "u - p", "note": "an angle", "initial": {"lower": 0, "upper": 1}, "final": {"value": 1},
+        "history": "0.1*t",
         "velocity": {"name": "w", "unit": "rad/s", "lower": -9, "upper": 9, "initial": 0, "final": 0, "note": "speed"},
     }  # fmt: skip
     return data

@@ -44,6 +44,8 @@ DEFECT = ConstraintKind(
     "defect", "the dynamics of {}", "Defect of {}", "", Multiplier.COSTATE, model=True, sized=True)
 RESIDUAL = ConstraintKind(
     "residual", "residual '{}'", "Residual {}", "residuals", Multiplier.DENSITY, model=True)
+DELAY = ConstraintKind(  # what a state at an earlier time is
+    "delay", "the value of {}", "Value of {}", "", Multiplier.DENSITY, model=True)
 PATH = ConstraintKind(
     "path", "path constraint '{}'", "Path constraint {}", "path", Multiplier.DENSITY)
 PATH_END = ConstraintKind(  # of a path constraint at an end that is no collocation point

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..problems.problem import Phase, Problem, Range
 from ..problems.text import short_repr
-from .constraint_kinds import BOUND, DEFECT, PATH, PATH_END, ConstraintKind
+from .constraint_kinds import BOUND, DEFECT, DELAY, PATH, PATH_END, ConstraintKind
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
@@ -53,6 +53,8 @@ class Layout:
 
     owners: name of a Set of the model whose elements belong to segments each -> the segment of each element.
     explicit: name of the Set of the points at which states are variables and the dynamics are collocated, if any.
+    shared: name of a Set whose elements read states at a knot each -> the numbers of the knots, and the shares of the
+    elements that belong to the segments before and after it.
     """
 
     phase: Phase
@@ -62,6 +64,7 @@ class Layout:
     t: np.ndarray
     owners: Mapping[str, np.ndarray] = field(default_factory=dict)
     explicit: str = ""
+    shared: Mapping[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
 def places(
@@ -133,7 +136,7 @@ def range_of_rows(problem: Problem, family: Family) -> Range:
     phase = next(own for own in problem.phases if own.name == family.phase)
     if kind is BOUND:
         return next(state.bounds for state in phase.states if state.name == name)
-    if kind is DEFECT:
+    if kind in (DEFECT, DELAY):
         return EQUAL
     constraints = getattr(phase, PATH.functions if kind is PATH_END else kind.functions)
     return next(own.bounds for own in constraints if own.name == name)

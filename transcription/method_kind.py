@@ -59,3 +59,14 @@ class MethodKind:
     costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
     numbers: Callable[[Any, Any], Numbers]
     kept: Callable[[Problem, Sequence[Mesh], Sequence[Curves]], Program] | None = None
+
+
+def no_delays(phase: Phase, method: str) -> Iterable[Mistake]:
+    """Why a phase is none for a method that takes no delays.
+
+    phase: refused if it has states at earlier times.
+    method: its name.
+    """
+    if phase.delayed:
+        what = f"{method} cannot take a state at an earlier time, and {phase.delayed[0].name} is one"
+        yield Mistake("mesh", what, "write a collocation method, such as hermite-simpson or radau")

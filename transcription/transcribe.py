@@ -16,6 +16,7 @@ import numpy as np
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
 from .collocation import kept, model
+from .collocation.delays import refused_by_collocation
 from .collocation.differences import refused_by_differences
 from .collocation.numbers import numbers
 from .engines.outcome import Outcome
@@ -53,7 +54,7 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
     "collocation": lambda: MethodKind(
-        _nothing_refused, model.by_model, model.compiled_model, costates, numbers, kept.program
+        refused_by_collocation, model.by_model, model.compiled_model, costates, numbers, kept.program
     ),
     "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates, numbers),
     "shooting": _shooting,

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..build import build
 from ..guesses.simulated import RunawayError
-from ..names.symbols import Symbols, with_article
+from ..names.roles import with_article
+from ..names.symbols import Symbols
 from ..phases.merge import home, phase_specs
 from ..problem import Range
 from ..schema.sections import GuessEntry

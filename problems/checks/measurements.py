@@ -8,7 +8,8 @@ from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, nodes
 from ..measured import compared
 from ..names.occurrences import measured_path
-from ..names.symbols import Symbols, with_article
+from ..names.roles import with_article
+from ..names.symbols import Symbols
 from ..problem import Range
 from ..schema.measurements import MeasuredEntry
 from ..schema.spec import Spec

@@ -20,7 +20,19 @@ from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
 _SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "optimize", "model"}
-_FORMULAS = {"rate", "accel", "value", "lower", "upper", "guess", "equals", "expression", "integral", "terminal"}
+_FORMULAS = {
+    "rate",
+    "accel",
+    "value",
+    "lower",
+    "upper",
+    "guess",
+    "equals",
+    "expression",
+    "integral",
+    "terminal",
+    "history",
+}
 
 _WHOLE = {"mesh": [{"method": "any", "segments": 1}], "nonsmooth": "slack", "links": [], "waypoints": None}
 _OBJECTIVE = {"minimize": {"integral": UNKNOWN}}

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Iterator
 from ..expressions.tree import Lookup, Name, nodes
 from ..measured import compared
 from ..models import find_model
+from ..names.delays import parameters_of
 from ..names.occurrences import uses
-from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
+from ..names.roles import ALGEBRAIC, CONTROL, TABLE
+from ..names.symbols import Symbols
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 
@@ -32,6 +34,7 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     """
     used = [node for use in uses(spec) for node in nodes(use.expression.root)]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
+    named |= parameters_of(uses(spec))
     if spec.model:
         model = find_model(spec.model)
         named |= {*model.parameters, *model.controls, *model.algebraic}

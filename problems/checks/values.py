@@ -25,7 +25,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .complementarity import complementarity_mistakes
-from .ends import impossible_at_ends
+from .ends import delay_mistakes, idle_histories, impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
@@ -70,6 +70,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.static_guesses()
     checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
+    checker.errors += delay_mistakes(spec, checker.symbols, phase == ALONE)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
@@ -80,6 +81,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
+        checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 

@@ -45,9 +45,8 @@ _AT_ANOTHER_TIME = re.compile(r"t\s*[-+].*|.*[-+*/]\s*t")  # t - 0.5, 0.5 + t, 2
 
 _SMOOTH_SWITCH = "write step(x - a, eps), which goes from 0 to 1 where x passes a, and eps is the width of the change"
 _SMOOTH_BRANCH = "write a + (b - a)*step(x - c, eps), which goes from a to b where x passes c, over the width eps"
-_CHAIN = (
-    "approximate a delay tau by states of its own: y with the rate (x - y)/tau is x late by about tau; several in a "
-    "row with a part of tau each are closer, and so is a Pade approximation"
+_EARLIER_STATE = (
+    "write x(t - tau) for the state x a constant time tau ago, and history: in x for its values before the start"
 )
 
 
@@ -78,7 +77,7 @@ def _random(name: str) -> Lack:
 
 
 def _delay(name: str) -> Lack:
-    return Lack(f"there is no {name}: expressions hold values at one time, and there are no delays", _CHAIN)
+    return Lack(f"there is no {name}: what is delayed is a state", _EARLIER_STATE)
 
 
 def _data(name: str) -> Lack:
@@ -138,8 +137,5 @@ def at_another_time(name: str, argument: str) -> Lack | None:
         return Lack(what, f"{meant} If not, {plain}" if meant else plain)
     if not _AT_ANOTHER_TIME.fullmatch(argument):
         return None
-    if meant:
-        what = f"there is no function {name}"
-        return Lack(what, f"{meant} If {name} is a state or control, there are no delays: {_CHAIN}")
-    what = f"{name} is not a function, and cannot be taken at another time: there are no delays"
-    return Lack(what, f"{_CHAIN}; write {name}*(...) for a product")
+    what = f"{name} is not a function, and a state can be taken at t and at an earlier time t - tau only"
+    return Lack(what, f"{meant + ' If not, ' if meant else ''}{_EARLIER_STATE}; write {name}*(...) for a product")

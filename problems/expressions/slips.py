@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
 from ..text import did_you_mean, excerpt, named, nearest, shorten
+from .delays import is_earlier
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
 from .lacking import ALIASES, LACKING, at_another_time, end_meant
 
@@ -122,7 +123,8 @@ def _tokens(text: str) -> list[Token]:
 
 
 def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> list[Token]:
-    """The tokens with the names of tables and functions of the file marked where they stand before their arguments.
+    """The tokens with names marked that stand before arguments: of tables, of functions of the file, and of states at
+    an earlier time.
 
     A name before arguments that is nearly one of them is refused.
     """
@@ -130,11 +132,16 @@ def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> lis
     for i, (token, after) in enumerate(pairwise(tokens)):
         if token.category != "name" or after.text != "(" or token.text in FUNCTIONS:
             continue
-        if token.text in called:
+        if token.text in called or (token.text not in (*LACKING, *ALIASES) and _is_delay(text, after)):
             marked[i] = token._replace(category="called")
         elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, called)):
             _fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
     return marked
+
+
+def _is_delay(text: str, bracket: Token) -> bool:
+    """Whether what a name is called with is an earlier time: x(t - tau)."""
+    return is_earlier(text[bracket.stop : _closing(text, bracket).start])
 
 
 def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:

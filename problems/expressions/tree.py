@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ..text import excerpt, shorten
+from .delays import delayed
 from .functions import FUNCTIONS, smooth_names
 from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
@@ -31,7 +32,8 @@ class Name(Node):
     """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None.
 
     In a link or in the objective of several phases the name is that of a phase, a point, and the name in it: boost.m.
-    The rate of an implicit state is a value with a name of its own, such as "v[rate]".
+    The rate of an implicit state is a value with a name of its own, such as "v[rate]", and so is a state at an earlier
+    time, "v(t - tau)".
     """
 
     name: str
@@ -95,7 +97,17 @@ def parse_tree(text: str, called: Collection[str] = ()) -> Node:
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         what = f"{excerpt(text, 0, len(text))} cannot be read as an expression"
         raise ExpressionError(what, "write it with names, numbers, + - * / ** and parentheses") from error
-    return _node(tree, text, 0)
+    return _with_delays(_node(tree, text, 0), text, called)
+
+
+def _with_delays(node: Node, text: str, called: Collection[str]) -> Node:
+    """The tree with a name for each state that is taken at an earlier time."""
+    if isinstance(node, Lookup) and node.table not in called:  # `check_syntax` has looked at the argument
+        inside = text[node.start : node.stop].partition("(")[2].rpartition(")")[0]
+        return Name(node.start, node.stop, delayed(node.table, inside).name, None)
+    parts = below(node)
+    new = [_with_delays(part, text, called) for part in parts]
+    return node if all(a is b for a, b in zip(new, parts, strict=True)) else rebuilt(node, new)
 
 
 def rate_of(state: str) -> str:

@@ -18,6 +18,7 @@ MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
 CONSTANT, TRAJECTORY, BOUNDARY, GUESS, MEASURED = "constant", "trajectory", "boundary", "guess", "measured"
+HISTORY = "history"
 
 SOLVED = frozenset({TRAJECTORY, BOUNDARY})
 """Contexts of what the equations are made of; a guess is evaluated once, before them, and what
@@ -46,6 +47,7 @@ def uses(spec: Spec) -> Iterator[Use]:
     for name, named in spec.expressions.items():
         yield Use(("expressions", name), named.value, TRAJECTORY)
     yield from _dynamics(spec)
+    yield from _histories(spec)
     yield from _at_times(spec)
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
@@ -80,6 +82,13 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
+def _histories(spec: Spec) -> Iterator[Use]:
+    for name, state in spec.states.items():
+        for path, own in ((("states", name), state), (("states", name, "velocity"), state.velocity)):
+            if own is not None and own.history is not None:
+                yield Use((*path, "history"), own.history, HISTORY)
+
+
 def _at_times(spec: Spec) -> Iterator[Use]:
     """What is guessed over time, and what is measured."""
     for key in _OVER_TIME:
@@ -107,7 +116,7 @@ def _constants(value: object, path: Path) -> Iterator[Use]:
             yield from _constants(item, (*path, key))
     elif isinstance(value, Entry):
         for key, item in value:
-            if key not in (*_DYNAMICS, *_OVER_TIME):
+            if key not in (*_DYNAMICS, *_OVER_TIME, HISTORY):
                 yield from _constants(item, (*path, key))
 
 

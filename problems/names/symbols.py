@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
+from ..expressions.delays import delay_of
 from ..expressions.expression import Expression, Fault
-from ..expressions.given import given
+from ..expressions.given import Given, given
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
@@ -20,7 +21,21 @@ from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, GUESS, MEASURED, TRAJECTORY, Use, uses
+from .delays import delayed_states, no_delay
+from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, MEASURED, TRAJECTORY, Use, uses
+from .roles import (
+    ALGEBRAIC,
+    CONTROL,
+    DELAYED,
+    OUTPUT,
+    RATE,
+    STATE,
+    TABLE,
+    VARYING,
+    not_at_ends,
+    not_in_history,
+    with_article,
+)
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -30,11 +45,6 @@ MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
-
-# Roles of names that have a value at every time.
-STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
-TABLE = "table"
-VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 
 
 Origin = Callable[[Path], Path]
@@ -71,11 +81,11 @@ class Symbols:
     """Names and values of a spec.
 
     states, controls, algebraic: the variables, see variables.py. roles: name -> "parameter", "expression", "static
-    parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. equations:
-    those of the model, None without one. definitions: the expressions that others may refer to, each after those that
-    it refers to; `varying` are those that vary in time, `fixed` holds the numbers and the values of the expressions of
-    parameters alone. findings: mistakes met on the way; without them, all of these are complete. origin: where the file
-    has what stands at a path of the spec.
+    parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. delayed: the
+    states at earlier times, by name. equations: those of the model, None without one. definitions: the expressions that
+    others may refer to, each after those that it refers to; `varying` are those that vary in time, `fixed` holds the
+    numbers and the values of the expressions of parameters alone. findings: mistakes met on the way; without them, all
+    of these are complete. origin: where the file has what stands at a path of the spec.
     """
 
     def __init__(self, spec: Spec, origin: Origin = tuple):
@@ -109,9 +119,13 @@ class Symbols:
         self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
         self._units = {name: p.unit for name, p in spec.parameters.items()}
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
+        own = [use for use in uses(spec) if use.path[0] != "parameters"]
+        names = [state.name for state in self.states]
+        self.delayed = delayed_states(own, names, self._known, self.findings)
+        self.roles |= dict.fromkeys(self.delayed, DELAYED)
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
-        self._check_all_names(use for use in uses(spec) if use.path[0] != "parameters")
+        self._check_all_names(own)
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
     def sound(self, path: Path, expression: Expression) -> bool:
@@ -149,6 +163,11 @@ class Symbols:
         if any(name.name not in self.fixed for name in leaves(root)):
             return None
         return self._of_fixed(Expression("", root)).constant()
+
+    def _known(self, root: Node) -> Given | None:
+        """As `constant_value`, a number that knows what it is made of."""
+        known = all(name.name in self.fixed for name in leaves(root))
+        return given(Expression("", root), self._of_fixed) if known else None
 
     def varies(self, name: str) -> bool:
         """Whether a name has a value at every time."""
@@ -198,10 +217,15 @@ class Symbols:
     def _trouble(self, name: Name, context: str, path: Path) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
-        if role is None:
+        delay = delay_of(name.name)
+        if delay and (role is None or context != TRAJECTORY):
+            found = no_delay(delay, self.roles, STATE)
+        elif role is None:
             found = self._unknown(name.name, context, path)
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
+        elif context == HISTORY:
+            found = not_in_history(name.name, role)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
@@ -214,18 +238,8 @@ class Symbols:
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
                 f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
             )
-        elif context == BOUNDARY and name.end and role in ("parameter", "static parameter"):
-            found = f"{name.name} is a {role} and has only one value", f"write {name.name}"
-        elif context == BOUNDARY and role == RATE:
-            found = (
-                f"{name.name} has a value at every time, but this expression is about the two ends",
-                "name it under expressions:, and write [final] or [initial] after that name",
-            )
-        elif context == BOUNDARY and not name.end and role in VARYING:
-            found = (
-                f"{name.name} has a value at every time, but this expression is about the two ends",
-                f"write {name.name}[final] or {name.name}[initial]",
-            )
+        elif context == BOUNDARY:
+            found = not_at_ends(name, role)
         return found
 
     def _unknown(self, name: str, context: str, path: Path) -> tuple[str, str]:
@@ -318,11 +332,6 @@ def _declared(name: str, context: str) -> str:
     if context == CONSTANT:
         return f"declare it, for example {given}"
     return f"declare it: under controls: as {name}: {{}} if it is to be found, {given} if it is given"
-
-
-def with_article(role: str) -> str:
-    """ "a state", "an expression"."""
-    return f"{'an' if role[0] in 'aeo' else 'a'} {role}"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:

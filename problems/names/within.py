@@ -27,11 +27,12 @@ def within_tables(phase: Phase) -> Phase:
     phase: with functions that are expressions of a file; those of a model look up nothing.
     """
     found = _Bounds()
-    varying = {"t", *(variable.name for variable in (*phase.states, *phase.inputs))}
+    bounded = {"t", *(variable.name for variable in (*phase.states, *phase.found))}
+    varying = bounded.union(own.name for own in phase.delayed)
     fixed_times = phase.initial_time.fixed and phase.final_time.fixed
     for own in _all(phase.over_time):
         asked = own.function.names & varying
-        if own.name in varying:
+        if own.name in bounded:
             found.variables[own.name] = found.variables.get(own.name, Range()).intersection(own.points)
         elif asked and not (asked == {"t"} and fixed_times):  # what is known at all times `checks` has looked at
             _add(found.path, own)

@@ -13,7 +13,8 @@ from typing import Any
 from ..expressions.expression import Expression
 from ..expressions.tree import External, Name, Node, below, leaves, rebuilt
 from ..names import lookups
-from ..names.symbols import TABLE, Symbols, no_value, range_of
+from ..names.roles import TABLE
+from ..names.symbols import Symbols, no_value, range_of
 from ..problem import Range
 from ..schema.fields import Bounded
 from ..text import did_you_mean

@@ -84,6 +84,10 @@ class Velocity(Entry):
     upper: Formula | None = Field(None, description=UPPER)
     initial: EndValue | None = Field(None, description="value or {lower, upper} at the initial time; default free")
     final: EndValue | None = Field(None, description="value or {lower, upper} at the final time; default free")
+    history: Formula | None = Field(
+        None,
+        description="its values before the initial time, for x(t - tau): number, or expression of t and parameters",
+    )
     note: Text = Field("", description=NOTE)
 
 
@@ -104,6 +108,10 @@ class StateEntry(Entry):
     upper: Formula | None = Field(None, description=UPPER)
     initial: EndValue | None = Field(None, description="value or {lower, upper} at the initial time; default free")
     final: EndValue | None = Field(None, description="value or {lower, upper} at the final time; default free")
+    history: Formula | None = Field(
+        None,
+        description="its values before the initial time, for x(t - tau): number, or expression of t and parameters",
+    )
     note: Text = Field("", description=NOTE)
 
     @model_validator(mode="after")

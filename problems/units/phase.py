@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from ..expressions.delays import delay_of
+from ..expressions.expression import parse
 from ..expressions.tree import rate_of
 from ..models import find_model
 from ..names.occurrences import constraints, uses
@@ -50,6 +52,8 @@ class PhaseUnits:
         """The unit of a name of the file; of what has none but follows from others, the one that follows."""
         if name == "t":
             return replace(self.time, clock=True) if isinstance(self.time, Measure) else None
+        if delay := delay_of(name):
+            name = delay.state
         if name in self.declared:
             return self.declared[name]
         if name in self._derived or name in self._open:
@@ -126,12 +130,18 @@ class PhaseUnits:
         self.reader.bounds(state.path, state.entry, own, state.name)
         for end in ("initial", "final"):
             self.reader.bounds((*state.path, end), getattr(state.entry, end), own, state.name)
+        if state.entry.history is not None:
+            self.reader.agree((*state.path, "history"), state.entry.history, own, f"{state.name} is")
         if state.rate is None or state.implicit:
             return
         path = state.rate_path or (*state.path, "velocity")
         self.reader.agree(path, state.rate, self._per_time(own), f"the rate of {state.name} is")
 
     def _constraints(self) -> None:
+        for own in self.symbols.delayed.values():
+            delay = delay_of(own.name)
+            assert delay is not None
+            self.reader.agree(own.path, parse(delay.lag), self.time, f"what is taken from t in {own.name} is")
         for use in uses(self.spec):
             if use.path[0] == "residuals":
                 self.reader.read(use.path, use.expression)

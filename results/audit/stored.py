@@ -38,7 +38,7 @@ def _arrays(trajectory: Trajectory, curves: PhaseCurves) -> Check:
     phase, dense = trajectory.phase, trajectory.dense
     collocated = np.isin(np.arange(len(trajectory.times)), trajectory.mesh.collocated)
     rows = [("state", v.name, trajectory.x[i], dense.x[i]) for i, v in enumerate(phase.states)]
-    kinds = ["control"] * len(phase.controls) + ["algebraic"] * len(phase.algebraic)
+    kinds = ["control"] * len(phase.controls) + ["algebraic"] * (len(phase.inputs) - len(phase.controls))
     rows += [
         (kind, v.name, np.where(collocated, trajectory.u[i], np.nan), dense.u[i])
         for i, (kind, v) in enumerate(zip(kinds, phase.inputs, strict=True))

@@ -13,6 +13,7 @@ from ...transcription.solution.implicit import consistent_inputs
 from ...transcription.solution.trajectory import Trajectory
 from .check import Check, at
 from .jumps import control_shares
+from .steps import Past
 
 RELAXED = 1.1
 """Times what a product may be, which the engine holds to its tolerance."""
@@ -99,10 +100,11 @@ def _held(trajectory: Trajectory, hold: float) -> np.ndarray:
     u = trajectory.at((samples - t0) / (tF - t0)).u
     x = np.full((len(trajectory.phase.states), trajectory.mesh.segments + 1), np.nan)
     x[:, 0] = state = trajectory.x[:, 0]
+    past = Past(trajectory, remembers=True)
     times = np.union1d(samples, trajectory.knots)
     for start, end in pairwise(times):
         own = u[:, np.searchsorted(samples, start, side="right") - 1]
-        after = _step(trajectory, (start, end), state, partial(_constant, own))
+        after = _step(trajectory, (start, end), state, partial(_constant, own), past)
         if after is None:
             break
         state = after
@@ -142,22 +144,31 @@ def simulate(trajectory: Trajectory) -> np.ndarray:
     """
     x = np.full((len(trajectory.phase.states), trajectory.mesh.segments + 1), np.nan)
     x[:, 0] = trajectory.x[:, 0]
+    past = Past(trajectory, remembers=True)
     for segment in range(trajectory.mesh.segments):
-        end = _integrated(trajectory, segment, x[:, segment])
+        end = _integrated(trajectory, segment, x[:, segment], past)
         if end is None:
             break
         x[:, segment + 1] = end
     return x
 
 
-def _integrated(trajectory: Trajectory, segment: int, x: np.ndarray) -> np.ndarray | None:
-    """The state at the end of a segment, from x, shape (n_x,), at its start; None if the integration fails."""
+def _integrated(trajectory: Trajectory, segment: int, x: np.ndarray, past: Past | None = None) -> np.ndarray | None:
+    """The state at the end of a segment, from x, shape (n_x,), at its start; None if the integration fails.
+
+    past: of a simulation that has come to here; None for states at earlier times as the trajectory has them.
+    """
+    past = past or Past(trajectory, remembers=False)
     (start, end), inputs = trajectory.knots[segment : segment + 2], trajectory.inputs_of(segment)
-    return _step(trajectory, (start, end), x, lambda t: inputs((t - start) / (end - start)))
+    return _step(trajectory, (start, end), x, lambda t: inputs((t - start) / (end - start)), past)
 
 
 def _step(
-    trajectory: Trajectory, times: tuple[float, float], x: np.ndarray, inputs: Callable[[float], np.ndarray]
+    trajectory: Trajectory,
+    times: tuple[float, float],
+    x: np.ndarray,
+    inputs: Callable[[float], np.ndarray],
+    past: Past,
 ) -> np.ndarray | None:
     """The state after two times, from x, shape (n_x,), under inputs(t), shape (n_u,); None if the integration fails."""
     from scipy.integrate import solve_ivp
@@ -165,18 +176,22 @@ def _step(
     phase, p = trajectory.phase, trajectory.parameters
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
-        time, state, u = np.array([t]), x[:, None], inputs(t)[:, None]
+        time, state, u = np.array([t]), x[:, None], past.filled(t, inputs(t))[:, None]
         f: np.ndarray = phase.dynamics(time, state, consistent_inputs(phase, time, state, u, p), p)[:, 0]
         if not np.isfinite(f).all():
             raise _NoDynamicsError
         return f
 
-    try:
-        step = solve_ivp(rate, times, x, method="DOP853", rtol=RTOL, atol=ATOL)
-    except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever
-        return None
-    last: np.ndarray = step.y[:, -1]
-    return last if step.success and np.isfinite(last).all() else None
+    for span in pairwise(past.steps(*times)):
+        try:
+            step = solve_ivp(rate, span, x, method="DOP853", rtol=RTOL, atol=ATOL, dense_output=past.remembers)
+        except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever
+            return None
+        x = step.y[:, -1]
+        if not (step.success and np.isfinite(x).all()):
+            return None
+        past.remember(span[0], step.sol)
+    return x
 
 
 def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:

@@ -98,7 +98,7 @@ def _write_curves(
     n = len(phase.controls)
     _write_kind(group, "state", phase.states, x, time)
     _write_kind(group, "control", phase.controls, u[:n], time)
-    _write_kind(group, "algebraic", phase.algebraic, u[n:], time)
+    _write_kind(group, "algebraic", phase.inputs[n:], u[n:], time)
     _write_functions(group, phase, phase.arguments(t, x, u, parameters), time)
     duals = group_of(group, "costate")  # no unit: the objective has none to begin with
     for state, values in zip(phase.states, () if costate is None else costate, strict=costate is not None):

@@ -128,7 +128,11 @@ class PhaseView(_Named):
     def functions(self) -> Mapping[str, TimeFunction]:
         """Everything that varies in time, by name."""
         phase, x, u = self.trajectory.phase, self.trajectory.x, self.trajectory.u
-        kinds = (("state", phase.states), ("control", phase.controls), ("algebraic", phase.algebraic))
+        kinds = (
+            ("state", phase.states),
+            ("control", phase.controls),
+            ("algebraic", phase.inputs[len(phase.controls) :]),
+        )
         varying = [(kind, variable) for kind, variables in kinds for variable in variables]
         found = {
             variable.name: self._function(kind, variable, values, partial(_row, number=number))

@@ -94,13 +94,37 @@ EXPRESSIONS = [
     rate_of_v("max", "max(u, v)", "nonsmooth: {tanh: 0.01}"),
     rate_of_v("an unknown function", "sine(u)", "did you mean sin?"),
     rate_of_v("two arguments", "sin(u, v)", "one argument"),
-    rate_of_v(
-        "a delay of a state", "u + v(t - 0.5)", "there are no delays; approximate a delay tau by states of its own"
+    rate_of_v("a delay of a control", "v + u(t-c)", "u(t - c): u is no state, and only states can be taken"),
+    rate_of_v("a delay of a name like a state", "u - xx(t - 1)", "there is no state xx; did you mean x?"),
+    rate_of_v("a delay of a name like a function", "u - sine(t - 1)", "there is no state sine; did you mean sin?"),
+    rate_of_v("a delay that is unknown", "u - v(t - c)", "c is not known before the solution is"),
+    rate_of_v("a delay of nothing", "u - v(t - 0*d)", "v(t - 0*d): the delay is 0; write a positive one"),
+    rate_of_v("a delay of two parts", "u - v(t - d - 1)", "as x(t - 0.5), x(t - tau) or x(t - (a + b))"),
+    rate_of_v("a delay of no number", "u - v(t - (d, 2))", "v"),
+    rate_of_v("a later time", "u + v(t + 0.5)", "a state can be taken at t and at an earlier time t - tau only"),
+    rate_of_v("a delay in brackets", "u + v[t - 0.5]", "write x(t - tau) for the state x a constant time tau ago"),
+    rate_of_v("a delay by a function", "u + delay(v, 0.5)", "what is delayed is a state; write x(t - tau)"),
+    edit(
+        "a delay at the ends", "x[final]*v[final]", "x(t - 1)", "objective.minimize.terminal", "stands where it has no"
     ),
-    rate_of_v("a delay of a control", "v + u(t-c)", "there are no delays"),
-    rate_of_v("a delay of a name like a function", "u - pos(t - 1)", "did you mean cos? If pos is a state or control"),
-    rate_of_v("a delay in brackets", "u + v[t - 0.5]", "there are no delays"),
-    rate_of_v("a delay by a function", "u + delay(v, 0.5)", "y with the rate (x - y)/tau"),
+    edit(
+        "a delay without a history",
+        "(u - c*v)/m",
+        "u - x(t - d)",
+        "states.x",
+        "add history: to x, a number or",
+        line=12,
+    ),
+    edit(
+        "a history of a state",
+        "{unit: m/s, rate",
+        "{history: x, rate",
+        "states.v.history",
+        "x is a state, and a history",
+    ),
+    edit(
+        "a history of a control", "{unit: m/s, rate", "{history: u*t, rate", "states.v.history", "u is a control, and"
+    ),
     rate_of_v("a state of time", "u - v(t)", "a state or control is written without (t): v"),
     *(
         rate_of_v(

@@ -99,7 +99,7 @@ IN_FILE = [
     rate("an argument too many", "drag(v, x)", "drag takes 1 argument, not 2; write drag(v)"),
     edit("an argument too few", "wind(v, x)", "wind(v)", "states.v.rate", "wind takes 2 arguments, not 1"),
     rate("a factor before a table", "2 drag(v)", "write 2*drag(...) for a product"),
-    rate("a table at another time", "drag(v(t - 0.5))", "there are no delays"),
+    rate("a table of a later state", "drag(v(t + 0.5))", "a state can be taken at t and at an earlier time"),
     edit("a constant outside", "T: 2*d", "T: 2*d + 0*bound(7)", "parameters.T", "is outside of the points of bound"),
 ]
 IN_FILE[-1] = raw(

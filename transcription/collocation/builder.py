@@ -37,6 +37,7 @@ class PhaseBuilder(ABC):
         self.last = len(mesh.fractions) - 1
         self.families: list[Family] = []
         self.owners: dict[str, np.ndarray] = {}
+        self.shared: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self.explicit_set: Any = None
 
     @abstractmethod
@@ -73,7 +74,7 @@ class PhaseBuilder(ABC):
         block.x = Var(names, self.points("stored", points))
         collocated = self.points("collocated", mesh.collocated)
         block.u = Var([control.name for control in phase.controls], collocated)
-        block.z = Var([algebraic.name for algebraic in phase.algebraic], collocated)
+        block.z = Var([own.name for own in (*phase.delayed, *phase.algebraic)], collocated)
         curves = guess.samples(mesh.fractions)
         for state in phase.states:
             if state.name in names:
@@ -116,7 +117,7 @@ class PhaseBuilder(ABC):
     def inputs(self) -> list[tuple[Var, str]]:
         """(component, name) of each row of u."""
         controls = [(self.block.u, control.name) for control in self.phase.controls]
-        return controls + [(self.block.z, algebraic.name) for algebraic in self.phase.algebraic]
+        return controls + [(self.block.z, own.name) for own in (*self.phase.delayed, *self.phase.algebraic)]
 
     # -- the values at one point, by the names that the problem's functions use -----------------------------------
 

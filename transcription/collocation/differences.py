@@ -20,6 +20,7 @@ from pyomo.core import RangeSet
 from ...problems.errors import Mistake
 from ...problems.problem import Curves, Phase, Problem, Range, State
 from ..constraint_kinds import DEFECT
+from ..method_kind import no_delays
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder
@@ -33,6 +34,7 @@ def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterat
     phase: its states must be positions with a second derivative, and their velocities.
     mesh: must have two or more segments, all of one width.
     """
+    yield from no_delays(phase, "finite-difference")
     if phase.measured:
         what = "finite differences have no velocities among their unknowns, and no knots where something is measured"
         yield Mistake("mesh", what, "take another method, such as radau or hermite-simpson")

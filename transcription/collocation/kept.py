@@ -63,7 +63,8 @@ def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -
     transcription = by_model(problem, meshes, guess, templates=True)
     built = time.perf_counter()
     nlp = compiled_model(transcription)
-    if nlp.n <= UNKNOWNS and (new := _kept_as(transcription, nlp, forms, guess)):
+    delays = any(phase.delayed for phase in problem.phases)  # their histories are numbers that no form tells
+    if not delays and nlp.n <= UNKNOWNS and (new := _kept_as(transcription, nlp, forms, guess)):
         with LOCK:
             _kept[key] = new
             while len(_kept) > MOST or sum(own.nlp.n for own in _kept.values()) > UNKNOWNS:

@@ -161,4 +161,4 @@ def _laid_out(builder: PhaseBuilder, place: Callable[..., int]) -> Layout:
         time=lambda end: place(block.tF if end else block.t0),
     )
     explicit = "" if builder.explicit_set is None else builder.explicit_set.name
-    return Layout(phase, mesh, x, u, t, builder.owners, explicit)
+    return Layout(phase, mesh, x, u, t, builder.owners, explicit, builder.shared)

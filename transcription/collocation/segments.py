@@ -28,6 +28,7 @@ from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
 from ..schemes.segment import Group
 from .builder import PhaseBuilder
+from .delays import add_delays
 from .place import Place, Values
 from .point_rows import PointRows, point_rows
 
@@ -123,6 +124,7 @@ class CollocationBuilder(PhaseBuilder):
                 self._rows_by_segment(group, over, i)
         for rows in point_rows(self.mesh):
             self._rows_by_point(rows)
+        add_delays(self)
 
     def _rows_by_segment(self, group: Group, over: Any, number: int) -> None:
         span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]

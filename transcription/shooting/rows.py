@@ -28,6 +28,7 @@ from ...problems.problem import Constraint, Curves, Phase, Problem, Range
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..layout import Family, Layout, Transcription, Unknown, places
+from ..method_kind import no_delays
 from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import shooting_scheme
 from .simulation import held
@@ -115,6 +116,7 @@ def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[
     phase: one with algebraic variables needs controls that are not constant on substeps.
     mesh: may not have more derivatives of stages than MAX_TANGENTS.
     """
+    yield from no_delays(phase, mesh.schemes[0].name)
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:

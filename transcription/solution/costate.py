@@ -83,6 +83,8 @@ def _knot_gradients(layout: Layout, nlp: CompiledNLP, outcome: Outcome) -> tuple
             for i, x in enumerate(layout.x):
                 start[i] += _per_segment(columns == x[mesh.knots[owners], None], terms, owners, mesh.segments)
                 end[i] += _per_segment(columns == x[mesh.knots[owners + 1], None], terms, owners, mesh.segments)
+        elif (shared := layout.shared.get(over)) is not None:
+            _add_shared(layout, shared, columns, terms, start, end)
         elif over is not None and over == layout.explicit:
             for i, x in enumerate(layout.x):
                 at_point = np.zeros(layout.x.shape[1])
@@ -90,6 +92,23 @@ def _knot_gradients(layout: Layout, nlp: CompiledNLP, outcome: Outcome) -> tuple
                 start[i] += left * at_point[mesh.knots[:-1]]
                 end[i] += right * at_point[mesh.knots[1:]]
     return start, end
+
+
+def _add_shared(
+    layout: Layout,
+    shared: tuple[np.ndarray, np.ndarray, np.ndarray],
+    columns: np.ndarray,
+    terms: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+) -> None:
+    """Add what states at knots are worth to others, as of `Layout.shared`; at the ends one side is none."""
+    knot, before, after = shared
+    for i, x in enumerate(layout.x):
+        own = np.where(columns == x[layout.mesh.knots[knot], None], terms, 0.0).sum(axis=1)
+        np.add.at(end[i], knot[knot > 0] - 1, (before * own)[knot > 0])
+        inside = knot < layout.mesh.segments
+        np.add.at(start[i], knot[inside], (after * own)[inside])
 
 
 def _per_segment(mask: np.ndarray, terms: np.ndarray, owners: np.ndarray, segments: int) -> np.ndarray:

@@ -38,7 +38,7 @@ def without_end_masses(transcription: Transcription, nlp: Any, y: np.ndarray) ->
 
 def inputs_of(phase: Phase) -> set[str]:
     """The names of the controls and algebraic variables."""
-    return {variable.name for variable in phase.inputs}
+    return {variable.name for variable in phase.found}
 
 
 def _points(family: Family, nlp: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray,
     phase: without algebraic variables u is given back as it is.
     t: times, of any shape (...).
     x: states there, shape (n_x, ...).
-    u: controls, then algebraic variables to start from, shape (n_u, ...); left as they are.
+    u: inputs, of which algebraic variables are what to start from, shape (n_u, ...); left as they are.
     p: static parameters by name.
 
     Newton's method from the given values, for all times at once. Where it does not converge, as where the residuals do
@@ -33,7 +33,7 @@ def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray,
     """
     if not phase.algebraic:
         return u
-    shape, n = np.shape(t), len(phase.controls)
+    shape, n = np.shape(t), len(phase.inputs) - len(phase.algebraic)
     t, x, u = np.ravel(t), x.reshape(len(x), -1), np.array(u).reshape(len(u), -1)
     with np.errstate(all="ignore"):
         for _ in range(MAX_STEPS):
@@ -53,7 +53,7 @@ class Nearby:
 
     def __init__(self, phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> None:
         self.phase, self.t, self.x, self.u, self.p = phase, t, x, u, p
-        n = len(phase.controls)
+        n = len(phase.inputs) - len(phase.algebraic)
         if phase.algebraic:
             _, jacobian = _residuals(phase, t, x, u, p, np.arange(len(u)))
             self.inverse = _inverse(jacobian[..., n:].copy())
@@ -61,8 +61,10 @@ class Nearby:
 
     def inputs(self, controls: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """t (B, S), x (n_x, B, S) and consistent inputs (n_u, B, S) for B controls (n, B, S) at the samples k (S,)."""
-        n, shape = len(controls), controls.shape[1:]
+        shape, late = controls.shape[1:], self.u[self.phase.rows_of_delayed, None, k]
         t, x = np.broadcast_to(self.t[k], shape), np.broadcast_to(self.x[:, None, k], (len(self.x), *shape))
+        controls = np.concatenate([controls, np.broadcast_to(late, (len(late), *shape))]) if len(late) else controls
+        n = len(controls)
         if not self.phase.algebraic:
             return t, x, controls
         z = self.u[n:, None, k] + np.einsum("szc,cbs->zbs", self.slope[k], controls - self.u[:n, None, k])
@@ -78,7 +80,7 @@ class Nearby:
 
 def _newton_step(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
     """-(dr/dz)^-1 r at every time, shape (n_z, M)."""
-    residual, jacobian = _residuals(phase, t, x, u, p, np.arange(len(phase.controls), len(u)))
+    residual, jacobian = _residuals(phase, t, x, u, p, np.arange(len(phase.inputs) - len(phase.algebraic), len(u)))
     singular = _replace_singular(jacobian)
     step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
     step[:, singular] = np.nan

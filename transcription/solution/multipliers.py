@@ -209,7 +209,7 @@ class Multipliers:
                 s, y, weights = self.of_rows(phase, PATH, c.name)
                 found.append(Density(c.function, c.bounds, s, y / (weights * duration)))
         weights = layout.mesh.weights
-        for variable, places in zip(phase.algebraic, layout.u[len(phase.controls) :], strict=True):
+        for variable, places in zip(phase.algebraic, layout.u[phase.rows_of_delayed.stop :], strict=True):
             if variable.bounds != Range():
                 k = np.flatnonzero((places >= 0) & (weights > 0))
                 y = self.outcome.z_upper[places[k]] - self.outcome.z_lower[places[k]]

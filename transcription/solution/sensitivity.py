@@ -44,6 +44,7 @@ that size are less than this, relative to 1 + |J|: the barrier leaves 1e-5 of bo
 TOUCHES = "touched, not pressed against: moved inwards, it begins to act"
 NOT_SOLVED = "the problem is not solved: only at an optimum do the multipliers tell how it changes"
 NO_MULTIPLIERS = "the problem has as many equations as unknowns: nothing is optimised, and there are no multipliers"
+DELAYED = "not known: it moves what a state at an earlier time is, or where that is read"
 LITERAL = "not known: it stands under abs, min or max, in a model, or as a width of nonsmooth, and is compiled in"
 MEASURED = "not known: when something is measured depends on it"
 CORNER = "not known: the functions of the problem have no derivative by it there"
@@ -150,6 +151,8 @@ class _Program:
         for measured in (phase for phase in self.problem.phases if phase.measured):
             for bounds in (measured.initial_time, measured.final_time):
                 self.sums.add(bounds.lower, nan, MEASURED)
+        for late in _of_delays(self.problem):
+            self.sums.add(late, nan, DELAYED)
         for layout in self.transcription.phases:
             self._of_measurements(layout)
 
@@ -219,6 +222,15 @@ class _Program:
         total = float(derivatives.sum())
         pressed = abs(total) * size > TOUCHED * (1 + abs(self.outcome.objective))
         self.sums.add(bound, total, TOUCHES if (slack < TOUCHED * size).any() and not pressed else "")
+
+
+def _of_delays(problem: Problem) -> Iterator[float]:
+    """The numbers that say what states at earlier times are: delays, histories, and the times of their phase."""
+    for phase in problem.phases:
+        for own in phase.delayed:
+            constants = getattr(own.history, "constants", ())
+            yield from (own.lag, *(getattr(own.history, "parameters", {})[name] for name in constants))
+            yield from (phase.initial_time.lower, phase.final_time.lower)
 
 
 def _written(problem: Problem) -> Iterator[float]:

@@ -16,13 +16,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...problems.problem import Phase
+from ...problems.problem import Delayed, Phase
 from ...problems.sets import without
 from ...problems.text import short_repr
 from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
+ALIGNED = 1e-12  # of the duration: a time this near to the initial one is there
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
 
@@ -134,7 +135,26 @@ class Trajectory:
             u[:, here] = combine(self.u[:, group.collocated[row]], U)
             if costate is not None and self.costate is not None:
                 costate[:, here] = combine(self.costate[:, group.slots[row]], group.scheme.costate_basis(own))
+        for late, values in zip(self.phase.delayed, u[self.phase.rows_of_delayed], strict=True):
+            values[:] = self.earlier(late, t)
         return Sample(t, x, u, dx, costate)
+
+    def earlier(self, own: Delayed, t: np.ndarray) -> np.ndarray:
+        """A state at an earlier time than t, of any shape: the state's own interpolant, or its history."""
+        before, (t0, tF), edges = np.ravel(t) - own.lag, self.t, self.mesh.edges
+        values = own.before(before).copy()
+        i = next(i for i, state in enumerate(self.phase.states) if state.name == own.state)
+        s = (before - t0) / (tF - t0)
+        inside = np.flatnonzero(s >= -ALIGNED)
+        segments = np.clip(np.searchsorted(edges, s[inside], side="right") - 1, 0, self.mesh.segments - 1)
+        tau = (s[inside] - edges[segments]) / self.mesh.widths[segments]
+        for number, group in enumerate(self.mesh.groups):
+            here = np.flatnonzero(self.mesh.group_of[segments] == number)
+            X, F, _, _, _ = group.scheme.interpolant(tau[here])
+            row, h = np.searchsorted(group.segments, segments[here]), self.h[segments[here]]
+            nodes, f = self.x[i, group.nodes[row]], self.f[i, group.collocated[row]]
+            values[inside[here]] = (nodes * X).sum(axis=-1) + h * (f * F).sum(axis=-1)
+        return values.reshape(np.shape(t))
 
     @property
     def point_costate(self) -> np.ndarray:
@@ -213,3 +233,6 @@ def _extrapolate_inputs(trajectory: Trajectory) -> None:
         scheme = mesh.schemes[segment]
         tau = scheme.sigma[k - mesh.first[segment]]
         u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.control_basis(np.array([tau]))[0]
+    for row, own in zip(u[trajectory.phase.rows_of_delayed], trajectory.phase.delayed, strict=True):
+        row[missing] = trajectory.earlier(own, trajectory.times[missing])
+        vars(trajectory).pop("f", None)  # it had what was extrapolated

@@ -1,0 +1,240 @@
+"""States at earlier times: y(t) = x(t - tau) as an input of the dynamics, and the rows that say what it is.
+
+At a collocation point t_k the time t_k - tau lies before the initial time, where the history phi gives the state, or at
+theta on a segment of duration h that starts at point i:
+
+    y_k == phi(t_k - tau)                                         before the initial time
+    y_k == sum_j A_j(theta) x_{i+j} + h G(theta) f_i              on a segment
+
+The second is the state's own interpolant. With n collocation nodes that is a polynomial of degree n through all state
+nodes sigma_j. Where there are more than n of them (Gauss, Radau), A_j are their Lagrange polynomials l_j and G = 0;
+where there are n, of which sigma_0 is one, its slope at sigma_0 is the other condition, h f_i:
+
+    omega = product of (theta - sigma_j),   G = omega / omega'(0),   A_j = l_j - l_j'(0) G
+
+So the rows are linear in x but for one f, whatever the degree, and their derivatives are exact. The method keeps its
+order as long as x is smooth on each segment. The history does not end as the state begins, so at t_0 + k tau the state
+has a kink, in its derivative of order k + 1. A mesh with knots there keeps the order of the method (costates at knots
+that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the objective has order 2, and costates 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pyomo.core as pyomo
+from pyomo.core import Constraint, RangeSet
+
+from ...problems.errors import Mistake
+from ...problems.problem import Delayed, Phase, Problem
+from ..constraint_kinds import DELAY
+from ..program.templates import item
+from ..schemes.mesh import Mesh
+from ..schemes.polynomials import lagrange_basis
+from ..schemes.scheme import Scheme, collocation_scheme
+from .builder import PhaseBuilder
+
+ALIGNED = 1e-11
+"""Of the duration, or of a segment: a time this near to a knot, to a node, or to the initial time, is there."""
+
+
+def refused_by_collocation(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mistake]:
+    """Why a phase or a mesh is none for collocation.
+
+    problem: not looked at; all methods are asked with the same arguments.
+    phase: its states at earlier times need a value at every node of the segments.
+    mesh: of collocation schemes.
+    """
+    eliminated = [scheme.name for scheme in mesh.schemes if collocation_scheme(scheme).eliminated]
+    if phase.delayed and eliminated:
+        what = (
+            f"{eliminated[0]} has no unknowns in the middle of a segment, where {phase.delayed[0].name} looks for them"
+        )
+        yield Mistake("mesh", what, "write hermite-simpson, or another collocation method")
+
+
+def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A, shape (m, d + 1), and G, shape (m,), at theta, shape (m,)."""
+    sigma = scheme.sigma
+    A = lagrange_basis(sigma, theta)
+    if len(sigma) > len(scheme.c):
+        return A, np.zeros(len(theta))
+    assert scheme.collocated[0] == 0  # else there would be a state node more
+    others = sigma[1:]
+    G = theta * np.prod((theta[:, None] - others) / (0.0 - others), axis=1)  # omega'(0) = product of (0 - sigma_j)
+    return A - G[:, None] * _slopes_at_start(sigma), G
+
+
+def _slopes_at_start(sigma: np.ndarray) -> np.ndarray:
+    """l_j'(0), shape (d + 1,): the first row of the differentiation matrix, by barycentric weights."""
+    differences = sigma[:, None] - sigma + np.eye(len(sigma))
+    w = 1 / np.prod(differences, axis=1)
+    slopes = np.zeros(len(sigma))
+    slopes[1:] = w[1:] / w[0] / (sigma[0] - sigma[1:])
+    slopes[0] = -slopes[1:].sum()
+    return slopes
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of one delay on segments. point: (Q,) where y is. segment: (Q,) where x is. node, A: (Q, W). G: (Q,).
+
+    knot: (Q,) the number of the knot that x is read at, or -1. before, after: (Q,) what of the row then belongs to the
+    segment that ends there, and to the one that starts there.
+    """
+
+    point: np.ndarray
+    segment: np.ndarray
+    node: np.ndarray
+    A: np.ndarray
+    G: np.ndarray
+    knot: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+    def of(self, which: np.ndarray) -> Rows:
+        return Rows(*(getattr(self, field.name)[which] for field in fields(self)))
+
+
+def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
+    """The collocation points that see the history, and the rows of the others.
+
+    mesh: of collocation schemes.
+    lag: of a phase of duration 1.
+
+    A point at which only the segment before it collocates looks back from there: at a knot it sees the segment before,
+    and at the initial time the history.
+    """
+    points = mesh.collocated
+    earlier, (before, after) = mesh.fractions[points] - lag, _shares(mesh)[:, points]
+    past = earlier < np.where(after > 0, -ALIGNED, ALIGNED)
+    point, s, before, after = (own[~past] for own in (points, np.maximum(earlier, 0.0), before, after))
+    nearest = np.rint(np.interp(s, mesh.edges, np.arange(len(mesh.edges)))).astype(int)
+    knot = np.where(np.abs(s - mesh.edges[nearest]) < ALIGNED, nearest, -1)
+    segment = np.searchsorted(mesh.edges, s, side="right") - 1
+    segment = np.clip(np.where(knot >= 0, np.where(after > 0, knot, knot - 1), segment), 0, mesh.segments - 1)
+    theta = np.clip((s - mesh.edges[segment]) / mesh.widths[segment], 0.0, 1.0)
+    theta = np.where(knot >= 0, np.where(after > 0, 0.0, 1.0), theta)
+    width = max(len(scheme.sigma) for scheme in mesh.schemes)
+    node, A, G = np.empty((len(s), width), int), np.zeros((len(s), width)), np.zeros(len(s))
+    for number, group in enumerate(mesh.groups):
+        here, sigma = mesh.group_of[segment] == number, group.scheme.sigma
+        last, nearest = len(sigma) - 1, np.abs(theta[here, None] - sigma).argmin(axis=1)
+        theta[here] = np.where(np.abs(theta[here] - sigma[nearest]) < ALIGNED, sigma[nearest], theta[here])
+        A[here, : last + 1], G[here] = interpolation(collocation_scheme(group.scheme), theta[here])
+        node[here] = mesh.first[segment[here], None] + np.minimum(np.arange(width), last)
+    G[knot >= 0] = 0.0
+    return points[past], Rows(point, segment, node, A, G, knot, before, after)
+
+
+def _shares(mesh: Mesh) -> np.ndarray:
+    """What of the quadrature weight of each point lies before it and what after it, shape (2, K)."""
+    shares = np.full((2, len(mesh.fractions)), 0.5)
+    shares[0, mesh.knots] = np.append(0.0, mesh.slot_parts[mesh.offset + mesh.degrees])
+    shares[1, mesh.knots] = np.append(mesh.slot_parts[mesh.offset], 0.0)
+    return shares
+
+
+def add_delays(builder: PhaseBuilder) -> None:
+    """Add the rows of all states at earlier times."""
+    times = builder.phase.initial_time.lower, builder.phase.final_time.lower  # both are given
+    duration = times[1] - times[0]
+    for number, own in enumerate(builder.phase.delayed):
+        past, rows = rows_of(builder.mesh, own.lag / duration)
+        _history(builder, number, own, past, times[0] + builder.mesh.fractions[past] * duration - own.lag)
+        bent, at_knot = rows.G != 0, rows.knot >= 0
+        at_node = (np.count_nonzero(rows.A, axis=1) == 1) & ~bent & ~at_knot
+        _interpolated(builder, f"delay{number}_inside", own, rows.of(~bent & ~at_knot & ~at_node))
+        _interpolated(builder, f"delay{number}_bent", own, rows.of(bent), slope=True)
+        _at_nodes(builder, f"delay{number}_at_node", own, rows.of(at_node))
+        _at_knots(builder, f"delay{number}_at_knot", own, rows.of(at_knot))
+
+
+def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarray, t: np.ndarray) -> None:
+    if not len(points):
+        return
+    name = f"history{number}"
+    over = _over(builder, name, len(points))
+    point, value = (builder.data(f"{name}_{k}", over, v) for k, v in (("point", points), ("value", own.before(t))))
+
+    def rule(block: Any, q: Any) -> Any:
+        return item(block.z, own.name, item(point, q)) == item(value, q)
+
+    _add(builder, name, over, rule, own, points)
+
+
+def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, slope: bool = False) -> None:
+    if not len(rows.point):
+        return
+    mesh, width = builder.mesh, rows.A.shape[1]
+    over = _over(builder, name, len(rows.point))
+    builder.owners[over.name] = rows.segment  # the costates at their knots count what is read there
+    columns = {"point": rows.point, "first": mesh.first[rows.segment], "bend": mesh.widths[rows.segment] * rows.G}
+    point, first, bend = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
+    # Row q of a table of W columns starts at W q: Pyomo is slower with two indices.
+    A, node = (builder.data(f"{name}_{key}", None, own.ravel()) for key, own in (("A", rows.A), ("node", rows.node)))
+    states = {state.name: state for state in builder.phase.states}
+
+    def rule(block: Any, q: Any) -> Any:
+        x = [item(A, width * q + j) * item(block.x, own.state, item(node, width * q + j)) for j in range(width)]
+        value = sum(x)
+        if slope:
+            f = states[own.state].rate(builder.at(item(first, q), states), pyomo)
+            value = value + builder.duration * item(bend, q) * f
+        return item(block.z, own.name, item(point, q)) == value
+
+    _add(builder, name, over, rule, own, rows.point)
+
+
+def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+    """y_k == x at a node inside a segment."""
+    if not len(rows.point):
+        return
+    over = _over(builder, name, len(rows.point))
+    builder.owners[over.name] = rows.segment
+    node = np.take_along_axis(rows.node, rows.A.argmax(axis=1)[:, None], axis=1)[:, 0]
+    point, at = (builder.data(f"{name}_{key}", over, v) for key, v in (("point", rows.point), ("node", node)))
+
+    def rule(block: Any, q: Any) -> Any:
+        return item(block.z, own.name, item(point, q)) == item(block.x, own.state, item(at, q))
+
+    _add(builder, name, over, rule, own, rows.point)
+
+
+def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+    """y_k == x at a knot, which belongs to both its segments, as y_k does; at the initial time partly the history."""
+    if not len(rows.point):
+        return
+    over, first = _over(builder, name, len(rows.point)), rows.knot == 0
+    builder.shared[over.name] = rows.knot, np.where(first, 0.0, rows.before), np.where(first, 1.0, rows.after)
+    history = float(own.before(np.array(builder.phase.initial_time.lower)))
+    columns = {
+        "point": rows.point,
+        "knot": builder.mesh.knots[rows.knot],
+        "share": np.where(first, rows.after, 1.0),
+        "rest": np.where(first, rows.before * history, 0.0),
+    }
+    point, knot, share, rest = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
+
+    def rule(block: Any, q: Any) -> Any:
+        x = item(block.x, own.state, item(knot, q))
+        return item(block.z, own.name, item(point, q)) == item(share, q) * x + item(rest, q)
+
+    _add(builder, name, over, rule, own, rows.point)
+
+
+def _over(builder: PhaseBuilder, name: str, size: int) -> Any:
+    over = RangeSet(0, size - 1)
+    builder.block.add_component(f"{name}_q", over)
+    return over
+
+
+def _add(builder: PhaseBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
+    constraint = Constraint(over, rule=partial(rule))
+    builder.block.add_component(name, constraint)
+    times = builder.mesh.fractions[points]
+    builder.tell(constraint, DELAY, own.name, (times, times), builder.mesh.weights[points])
