@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from .expressions.expression import Expression
+from .expressions.given import given
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
 from .guesses.delayed import with_delayed
@@ -62,6 +63,9 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         links=links,
         mayer=mayer,
         numbers=dict(first.symbols.numbers),
+        literal=tuple(given(width, first.symbols.function) for width in spec.nonsmooth.widths)
+        if spec.nonsmooth
+        else (),
     )
 
 

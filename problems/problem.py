@@ -328,6 +328,7 @@ class Problem:
     sense: +1 to minimise, -1 to maximise. parameters: those to optimise, the same in all phases. links: constraints on
     the ends of several phases, whose functions ask for "boost.q1[final]". mayer: the part of the objective that does.
     numbers: parameter that is given -> its number, for results to tell.
+    literal: numbers of the file that functions are made of without having them among their parameters.
     """
 
     name: str
@@ -337,6 +338,7 @@ class Problem:
     links: tuple[Constraint, ...] = ()
     mayer: Function | None = None
     numbers: Mapping[str, float] = field(default_factory=dict)
+    literal: tuple[float, ...] = ()
 
     def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
         """Name of each static parameter -> its value at the start. guess: one for each phase."""

@@ -153,6 +153,31 @@ mesh: [{method: trapezoid, segments: 4}]
     assert "begins to act" in idle["controls.u.upper"].note
 
 
+SMOOTHED = """
+trajopt: 1
+name: a width that is a parameter
+parameters: {w: 0.1, c: 0.5}
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 1}}
+controls: {u: {}}
+nonsmooth: {tanh: w}
+objective: {minimize: {integral: "u**2 + c*abs(u - 0.5)"}}
+mesh: [{method: trapezoid, segments: 4}]
+"""
+
+
+def test_a_width_is_not_told_as_one_that_changes_nothing():
+    found = {own.path: own for own in solution_of(load_yaml(SMOOTHED)).sensitivities.all}
+    assert isnan(found["parameters.w"].derivative) and "width" in found["parameters.w"].note
+    assert not isnan(found["parameters.c"].derivative) and not found["parameters.c"].note
+
+
+def test_where_measurements_are_compared_their_times_are_not_free():
+    found = {own.path: own for own in solution_of(load_file("gas_oil_cracking")).sensitivities.all}
+    assert isnan(found["time.final"].derivative) and "measured" in found["time.final"].note
+    assert found["states.y1.initial"].derivative < 0
+
+
 def test_differences_find_slopes_at_every_scale_and_none_at_corners():
     assert difference(np.sin, 1.0) == pytest.approx(np.cos(1.0), rel=1e-11)
     assert difference(lambda p: np.exp(1e4 * p), 0.0) == pytest.approx(1e4, rel=1e-6)

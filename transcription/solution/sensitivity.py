@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from math import isfinite, nan
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,7 +44,9 @@ TOUCHES = "touched, not pressed against: moved inwards, it begins to act"
 NOT_SOLVED = "the problem is not solved: only at an optimum do the multipliers tell how it changes"
 NO_MULTIPLIERS = "the problem has as many equations as unknowns: nothing is optimised, and there are no multipliers"
 DELAYED = "not known: it moves what a state at an earlier time is, or where that is read"
-LITERAL = "not known: it stands under abs, min or max, or in a model, and is compiled in"
+LITERAL = "not known: it stands under abs, min or max, in a model, or as a width of nonsmooth, and is compiled in"
+MEASURED = "not known: when something is measured depends on it"
+CORNER = "not known: the functions of the problem have no derivative by it there"
 
 
 @short_repr
@@ -87,7 +89,9 @@ class _Sums:
         for path, (own, slope) in number.sources.items():
             self.numbers[path] = own
             self.totals[path] = self.totals.get(path, 0.0) + (derivative * slope if slope else 0.0)
-            if note:
+            if isnan(self.totals[path]):
+                self.notes[path] = note or self.notes.get(path, CORNER)
+            elif note and own is number:
                 self.notes[path] = note
 
 
@@ -141,6 +145,11 @@ class _Program:
             for name in function.constants:
                 if (phase, name) not in self.numbers:
                     self.sums.add(function.parameters[name], nan, LITERAL)
+        for literal in self.problem.literal:
+            self.sums.add(literal, nan, LITERAL)
+        for measured in (phase for phase in self.problem.phases if phase.measured):
+            for bounds in (measured.initial_time, measured.final_time):
+                self.sums.add(bounds.lower, nan, MEASURED)
         for late in _of_delays(self.problem):
             self.sums.add(late, nan, DELAYED)
         for layout in self.transcription.phases:
