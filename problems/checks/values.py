@@ -24,6 +24,7 @@ from . import structure
 from .ends import impossible_at_ends
 from .keyframes import uneven, unordered
 from .names import name_trouble, title_troubles
+from .size import too_large
 from .tables import beyond_tables
 from .unused import unused
 
@@ -71,6 +72,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
+        checker.errors += too_large(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
@@ -277,8 +279,12 @@ class _Checker:
             self.error(("objective", spec.objective.sense), what, remedy)
 
     def constant_constraints(self) -> None:
-        """A constraint over time or at the ends depends on something that is not a constant."""
+        """A residual, and a constraint over time or at the ends, depend on something that is not a constant."""
         for path, constraint in constraints(self.spec):
             if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
                 what = "the constraint is on a constant"
                 self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
+        for i, residual in enumerate(self.spec.residuals):
+            if not self.symbols.function(residual.expression).names:
+                what = "the residual is a constant, so it says nothing of the unknowns"
+                self.error(("residuals", i, "expression"), what, "write an equation of states, controls or x[rate]")
