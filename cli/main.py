@@ -11,6 +11,7 @@ def main() -> None:
     The process ends here, not by Python's own way out, which takes the handlers of signals away before it has ended.
     """
     signals.end_on_signals()
+    _with_docstrings()
     from . import streams  # what takes time to load comes after
 
     streams.open_closed_ones()
@@ -19,12 +20,31 @@ def main() -> None:
     signals.leave(code)
 
 
+def _with_docstrings() -> None:
+    """Pyomo does not work without docstrings: start again, with PYTHONOPTIMIZE=1 in place of 2."""
+    import os
+    import sys
+
+    if sys.flags.optimize > 1 and os.environ.get("PYTHONOPTIMIZE", "1") != "1":
+        os.environ["PYTHONOPTIMIZE"] = "1"
+        os.execv(sys.executable, sys.orig_argv)
+
+
 def _run() -> int:
     """The exit code of the command; a bug of ours keeps its traceback."""
+    from ..problems.errors import TrajoptError
+
     try:
         from .app import app
+        from .errors import exit_code, report
+        from .streams import flushed_output
 
-        app()
+        try:
+            with flushed_output():
+                app()
+        except TrajoptError as error:  # of standard output, as in --help > /dev/full
+            report(error)
+            return exit_code(error)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
     except BaseException:
