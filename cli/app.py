@@ -17,6 +17,7 @@ from .problem_files.schema import schema
 from .result_files.animate import animate
 from .result_files.compare import compare
 from .result_files.plot import plot
+from .result_files.report import report
 from .result_files.show import show
 from .result_files.verify import verify
 from .solving.reproduce import reproduce
@@ -38,7 +39,8 @@ app = typer.Typer(
 )
 
 for function in (
-    solve, sweep, check, explain, show, verify, compare, plot, animate, reproduce, list_, methods, schema, export, init,
+    solve, sweep, check, explain, show, verify, compare, plot, animate, report, reproduce, list_, methods, schema,
+    export, init,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

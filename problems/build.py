@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 from .expressions.expression import Expression
-from .guess import initial_guess
+from .guess import finished, initial_guess
+from .language.plain import shared_in_plain
+from .language.times import TimeParameter, beyond_parameter
 from .names.occurrences import constraint_names, constraints, residual_names
-from .names.symbols import Symbols
+from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
-from .phases.guess import through_phases
+from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
-from .phases.merge import phase_specs
-from .phases.order import own_entries
+from .phases.merge import home, phase_specs
+from .phases.order import own_entries, with_left_out
 from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
+from .schema.fields import Bounded
 from .schema.spec import Spec
 from .yaml.document import Path
 
@@ -23,28 +28,43 @@ from .yaml.document import Path
 def build(spec: Spec, mesh: int = -1) -> Problem:
     """The continuous problem that a loaded spec states, for one entry of its mesh schedule (the last by default).
 
-    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ.
+    Only a smoothing schedule of `nonsmooth:` makes the problems of the entries differ. Raises
+    `guesses.simulated.RunawayError` where the guess cannot be simulated, which `load` has found out.
     """
     builders: dict[str, _Builder] = {}
+    shared, _ = shared_in_plain(spec)
     for name, own in phase_specs(spec).items():
         taken = {p.name for builder in builders.values() for p in builder.rewritten.parameters}
-        builders[name] = _Builder(own, name, mesh, frozenset(taken))
+        builders[name] = _Builder(own, name, mesh, frozenset(taken), partial(home, spec, name))
     first = next(iter(builders.values()))
     symbols = {name: builder.symbols for name, builder in builders.items()}
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
         phases = list(map(in_order, phases))
-    phases = through_phases(spec, {name: b.spec for name, b in builders.items()}, symbols, phases)
-    slack = tuple(parameter for builder in builders.values() for parameter in builder.rewritten.parameters)
-    links, mayer = links_of(spec, phases, symbols) if own_entries(spec) else ((), None)
+    specs = {name: builder.spec for name, builder in builders.items()}
+    phases = through_phases(shared, specs, symbols, phases)
+    phases = with_times(phases)
+    phases = finished(
+        phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
+    )
+    made = [own for builder in builders.values() for own in (*builder.times(), *builder.rewritten.parameters)]
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
         phases=tuple(phases),
-        parameters=(*(Variable(n, p.unit, first.symbols.range(p)) for n, p in spec.optimize.items()), *slack),
+        parameters=(*map(first.static, shared.optimize), *made),
         links=links,
         mayer=mayer,
     )
+
+
+def with_times(phases: Sequence[Phase]) -> list[Phase]:
+    """The phases, with the guesses of all parameters that are times in the guess of each."""
+    times = {name: value for phase in phases for name, value in phase.times_in(phase.guess).items()}
+    if not times:
+        return list(phases)
+    return [replace(p, guess=replace(p.guess, parameters={**p.guess.parameters, **times})) for p in phases]
 
 
 def build_all(spec: Spec) -> list[Problem]:
@@ -57,21 +77,29 @@ def build_all(spec: Spec) -> list[Problem]:
 
 @dataclass
 class _Builder:
-    """Builds one phase from the spec that it has by itself. taken: names that its slack parameters must not have."""
+    """Builds one phase from the spec that it has by itself.
+
+    taken: names that its slack parameters must not have. origin: where the file has what is at a path of the spec.
+    """
 
     spec: Spec
     name: str
     mesh: int
     taken: frozenset[str]
+    origin: Origin
 
     def __post_init__(self) -> None:
-        self.symbols = Symbols(self.spec)
+        self.symbols = Symbols(self.spec, self.origin)
         self.rewritten: Consistent = consistent(self.spec, self.symbols, self.mesh, self.taken)
         self.added = frozenset(p.name for p in self.rewritten.parameters)
 
     def phase(self) -> Phase:
         spec, symbols, rewritten = self.spec, self.symbols, self.rewritten
-        times = symbols.range(spec.time.initial), symbols.range(spec.time.final)
+        time = spec.time
+        times = (
+            symbols.range(time.initial, ("time", "initial"), time.unit),
+            symbols.range(time.final, ("time", "final"), time.unit),
+        )
         states = tuple(map(self.state, symbols.states))
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
@@ -88,14 +116,33 @@ class _Builder:
             ),
             residuals=self.residuals(),
             path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path)),
-            boundary=(*self.of_model("boundary"), *written["boundary"], *map(self.slack, rewritten.boundary)),
+            boundary=(
+                *self.of_model("boundary"),
+                *written["boundary"],
+                *map(self.slack, rewritten.boundary),
+                *self.of_times(),
+            ),
             integral=tuple(written["integral"]),
             lagrange=self.term("integral"),
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         return within_tables(phase)
+
+    @property
+    def time_parameters(self) -> dict[str, TimeParameter]:
+        return {name: own for name, own in self.spec.optimize.items() if isinstance(own, TimeParameter)}
+
+    def times(self) -> Iterator[Variable]:
+        """The static parameters that are times of this phase."""
+        return (Variable(name, own.unit) for name, own in self.time_parameters.items())
+
+    def of_times(self) -> Iterator[Constraint]:
+        for name, own in self.time_parameters.items():
+            difference = beyond_parameter(name, own.end)
+            yield Constraint(difference.text, self.bound(difference), Range(0.0, 0.0))
 
     def outputs(self) -> dict[str, Output]:
         """The expressions of the file and the outputs of the model that have a value at every time, as written.
@@ -123,18 +170,27 @@ class _Builder:
     def bound(self, expression: Expression) -> Expression:
         return self.symbols.function(expression, self.rewritten.definitions, self.added)
 
+    def static(self, name: str) -> Variable:
+        """A static parameter to optimise."""
+        entry = self.spec.optimize[name]
+        return Variable(name, entry.unit, self.symbols.range(entry, ("optimize", name), entry.unit))
+
     def variable(self, declared: Declared) -> Variable:
-        return Variable(declared.name, declared.unit, self.symbols.range(declared.entry))
+        return Variable(declared.name, declared.unit, self.bounds(declared, declared.entry))
+
+    def bounds(self, declared: Declared, entry: Bounded | None, *path: str) -> Range:
+        """The range of an entry of a variable, which stands at a path below that of the variable."""
+        return self.symbols.range(entry, (*declared.path, *path), declared.unit)
 
     def state(self, state: DeclaredState) -> State:
-        bounds = self.symbols.range(state.entry)
+        bounds = self.bounds(state, state.entry)
         return State(
             name=state.name,
             unit=state.unit,
             bounds=bounds,
             rate=self.rate(state),
-            initial=bounds.intersection(self.symbols.range(state.entry.initial)),
-            final=bounds.intersection(self.symbols.range(state.entry.final)),
+            initial=bounds.intersection(self.bounds(state, state.entry.initial, "initial")),
+            final=bounds.intersection(self.bounds(state, state.entry.final, "final")),
             velocity_of=state.velocity_of,
         )
 
@@ -166,7 +222,7 @@ class _Builder:
         written: dict[str, list[Constraint]] = {"path": [], "boundary": [], "integral": []}
         for (path, constraint), name in zip(constraints(self.spec), constraint_names(self.spec), strict=True):
             function = self.function((*path, "expression"), constraint.expression)
-            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint)))
+            written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint, path)))
         return written
 
     def slack(self, relation: Relation) -> Constraint:

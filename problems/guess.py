@@ -1,4 +1,4 @@
-"""Initial trajectories: a straight line from the initial to the final state, constants, keyframes."""
+"""Initial trajectories: straight lines, constants, formulas, keyframes, columns of data, simulations."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from math import inf, isfinite
 
 import numpy as np
 
+from .guesses.rates import differentiated
+from .guesses.rows import Row, Span, combined, rows_of
+from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
-from .problem import Guess, Range, State, Variable
+from .problem import Function, Guess, Phase, Range, State, Variable
 from .schema.spec import Spec
 
 
@@ -21,7 +24,7 @@ def initial_guess(
     times: tuple[Range, Range],
     slack: Sequence[Variable] = (),
 ) -> Guess:
-    """The guess that the file asks for.
+    """The guess that the file asks for, but for what needs the dynamics or other phases (see `finished`).
 
     spec, symbols: the file without mistakes, its names and values.
     states: of the problem, with their ranges at both ends; each gets a straight line, or what the file gives.
@@ -30,33 +33,64 @@ def initial_guess(
     times: ranges of the initial and of the final time, in the unit of time of the file.
     slack: static parameters that the file does not name. Like slack controls they start at zero (paper, 8.5).
     """
-    keyframes = {name: np.array([symbols.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
-    s = keyframe_positions(keyframes)
+    first = middle(times[0], symbols.number(spec.time.initial.guess, inf))
+    last = middle(times[1], symbols.number(spec.time.final.guess, inf))
+    parameters = {
+        name: middle(symbols.range(static), symbols.number(static.guess, inf)) for name, static in spec.optimize.items()
+    }
+    both = np.array([0.0, 1.0])
     asked = {s.name: (symbols.range(s.entry.initial), symbols.range(s.entry.final)) for s in symbols.states}
-    values = {state.name: np.interp(s, [0.0, 1.0], ends(state, *asked[state.name])) for state in states}
-    values |= {variable.name: np.full(len(s), variable.bounds.clip(0.0)) for variable in inputs}
-    values |= {name: np.full(len(s), symbols.number(v, 0.0)) for name, v in spec.guess.constants.items()}
-    values |= {name: row for name, row in keyframes.items() if name != "time"}
+    rows = {state.name: Row(both, np.array(ends(state, *asked[state.name]))) for state in states}
+    rows |= {variable.name: Row(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
+    rows |= {name: Row(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
+    rows |= {name: _formula(symbols.function(e), first, last, parameters) for name, e in spec.guess.formulas.items()}
+    given = rows_of(spec.guess, symbols.number, Span(first, last, times[0].fixed and times[1].fixed))
+    rows |= {name: row for name, row in given.items() if name in rows}  # a file may have columns of something else
+    s, values = combined(rows, both)
     return Guess(
-        initial_time=middle(times[0], symbols.number(spec.time.initial.guess, inf)),
-        final_time=middle(times[1], symbols.number(spec.time.final.guess, inf)),
+        initial_time=first,
+        final_time=last,
         s=s,
         values=values,
-        parameters={
-            name: middle(symbols.range(static), symbols.number(static.guess, inf))
-            for name, static in spec.optimize.items()
-        }
-        | {parameter.name: parameter.bounds.clip(0.0) for parameter in slack},
+        parameters=parameters | {parameter.name: parameter.bounds.clip(0.0) for parameter in slack},
     )
 
 
-def keyframe_positions(keyframes: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Normalised times s of the keyframes, shape (K,): 0 and 1 where there are none, evenly spaced without `time`."""
-    if "time" in keyframes:
-        time = keyframes["time"]
-        s: np.ndarray = (time - time[0]) / (time[-1] - time[0])
-        return s
-    return np.linspace(0.0, 1.0, len(next(iter(keyframes.values()), (0, 1))))
+def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> Row:
+    """The row of an expression of t and static parameters."""
+    s = np.linspace(0.0, 1.0, POINTS)
+    with np.errstate(all="ignore"):
+        values = function({"t": first + s * (last - first), **parameters}, np)
+    return Row(s, np.array(np.broadcast_to(values, s.shape), float))
+
+
+def finished(
+    phases: Sequence[Phase],
+    specs: Mapping[str, Spec],
+    symbols: Mapping[str, Symbols],
+    before: Mapping[str, tuple[str, frozenset[str]]],
+    shared: frozenset[str],
+) -> list[Phase]:
+    """The phases with guesses in which velocities are those of their positions, and what is to be simulated is.
+
+    phases: in order, with the guesses that they have otherwise.
+    specs, symbols: of each phase.
+    before: phase -> the phase that it goes on from, and the states that do not go on.
+    shared: names that the guess of the whole trajectory gives.
+
+    Raises `guesses.simulated.RunawayError`.
+    """
+    done: dict[str, Phase] = {}
+    for phase in phases:
+        spec = specs[phase.name]
+        own = differentiated(phase, shared | spec.guess.named.keys())
+        if spec.guess.simulate is not None:
+            source, left_out = before.get(phase.name, ("", frozenset()))
+            ends = done[source].guess.values if source else {}
+            start = {name: float(row[-1]) for name, row in ends.items() if name not in left_out}
+            own = simulated(own, spec, symbols[phase.name], start)
+        done[phase.name] = own
+    return list(done.values())
 
 
 def ends(state: State, initial: Range, final: Range) -> tuple[float, float]:

@@ -15,13 +15,19 @@ from .errors import FileError, Mistake, SpecError
 from .names.symbols import UNKNOWN
 from .schema import messages
 from .schema.declarations import Time
-from .schema.fields import STORED, TABLES
+from .schema.fields import CALLED, STORED
 from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
-from .schema.tables import table_names
+from .schema.tables import called_names
 from .tables.files import read_files
+<<<<<<< HEAD
 from .text import brief, nearest, printable
 from .yaml.document import MAX_BYTES, decode, dotted, read_document, scalar
+=======
+from .text import brief, printable
+from .wishes.keys import meant
+from .yaml.document import MAX_BYTES, decode, dotted, read_document
+>>>>>>> main
 from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
@@ -46,9 +52,16 @@ _OPTION_FILE = "option_file_name"
 OptionCheck = Callable[[str, Mapping[str, Any]], Sequence[Mistake]]
 """(engine, options) -> what the engine does not take, each mistake at solver.NAME."""
 
+MoreChecks = Callable[[Spec], tuple[list[Finding], list[Finding]]]
+"""A spec, in which other mistakes may be left -> mistakes and warnings that only some ask for."""
+
 
 def load(
-    source: Path, overrides: Sequence[str] = (), methods: Sequence[str] = (), options: OptionCheck | None = None
+    source: Path,
+    overrides: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    options: OptionCheck | None = None,
+    more: MoreChecks | None = None,
 ) -> Spec:
     """The spec of a problem file.
 
@@ -57,13 +70,14 @@ def load(
         as if they stood in the file.
     methods: the names that a mesh entry may give; none means any.
     options: asked about the options of the engine, which only the engine knows; None asks nobody.
+    more: asked about the whole file, such as `units.check.check_units`; None asks nobody.
 
     What is odd but not wrong is in `spec.warnings`.
 
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
     source = Path(source)
-    return load_text(_read(source), str(source), overrides, methods, options, source.parent)
+    return load_text(_read(source), str(source), overrides, methods, options, source.parent, more)
 
 
 def load_text(
@@ -73,12 +87,13 @@ def load_text(
     methods: Sequence[str] = (),
     options: OptionCheck | None = None,
     folder: Path | None = None,
+    more: MoreChecks | None = None,
 ) -> Spec:
     """As `load`, from a text.
 
     text: YAML.
     file: the name used in messages; without its suffix, the name of a problem that gives none.
-    overrides, methods, options: as `load` takes them.
+    overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document = read_document(text, file)
@@ -92,7 +107,7 @@ def load_text(
     wrong = _default_tolerance(data) if data["mesh"] is chosen else []
     if data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
-    locations = Locations(file, document.lines, given)
+    locations = Locations(file, document.lines, given, document.blocks)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
     if phased:
@@ -101,21 +116,30 @@ def load_text(
         early += _missing(data)
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
-    if not (phased or data.get("states") or data.get("model") or nearest("states", data.keys() - {"states"})):
+    if not (phased or data.get("states") or data.get("model") or _meant("states", data, Spec.model_fields)):
         early.append(NO_STATES)
-    context = {"methods": tuple(methods), TABLES: table_names(data)}
+    context = {"methods": tuple(methods), CALLED: called_names(data)}
     unread = read_files(data, folder)
     early += unread
     try:
         spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (check_spec(rest, whole=False)[0] if rest else []) + early
+        found = messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else []) + early
         raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = check_spec(spec, whole=not early)
+    errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
     return spec.attach(text, locations, warnings)
+
+
+def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
+    """The mistakes and warnings of `check_spec` and of more checks, which need phases without mistakes."""
+    errors, warnings = check_spec(spec, whole)
+    if more is not None and not (errors and (spec.phases or spec.waypoints)):
+        own, odd = more(spec)
+        errors, warnings = errors + own, warnings + odd
+    return errors, warnings
 
 
 def _missing(data: dict[str, Any]) -> list[Finding]:
@@ -123,24 +147,29 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
 
     With phases these may stand in the first and in the last of them.
     """
-    if data.get("time") is None and not _meant("time", data, Spec.model_fields):
+    if data.get("time") is None:
         data["time"] = {"initial": UNKNOWN, "final": UNKNOWN}
+        if _meant("time", data, Spec.model_fields):
+            return []
         return [Finding(("time",), "time is missing", f"add {messages.how_written(('time',))}")]
     found = []
     time = data.get("time")
     if not isinstance(time, dict):
         return []
+    given = list(time)
     for end in ("initial", "final"):
-        if time.get(end) is None and not _meant(end, time, Time.model_fields):
-            time[end] = UNKNOWN
+        if time.get(end) is not None:
+            continue
+        time[end] = UNKNOWN
+        if not _meant(end, {key: None for key in given}, Time.model_fields, ("time",)):
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
 
 
-def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> bool:
+def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
     """Whether a key that is none is a misspelt one that is missing."""
-    return any(nearest(other, known) == key for other in given if other not in known)
+    return any(meant((*path, other), known) == key for other in given if other not in known)
 
 
 def _shared_objective(data: dict[str, Any]) -> None:
@@ -189,7 +218,7 @@ def load_stored(data: Mapping[str, Any], file: str) -> Spec:
     if unsafe := {finding.path[1] for finding in _unsafe_options(solver, locations)}:
         data = {**data, "solver": {name: value for name, value in (solver or {}).items() if name not in unsafe}}
     try:
-        spec = Spec.model_validate(data, context={STORED: True, TABLES: table_names(data)})
+        spec = Spec.model_validate(data, context={STORED: True, CALLED: called_names(data)})
         errors, _ = check_spec(spec)
     except ValidationError as error:
         raise _unreadable(messages.findings(error, locations)[0], file) from error

@@ -16,7 +16,7 @@ the inputs of the dynamics: the controls, then the algebraic variables.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import Any, Protocol
@@ -62,11 +62,16 @@ class Range:
         return self.lower == self.upper
 
     def intersection(self, other: Range) -> Range:
-        """What two ranges have in common; its lower end is above its upper one if that is nothing."""
+        """What two ranges have in common; its lower end is above its upper one if that is nothing.
+
+        Its ends are those of the ranges themselves, which may know more than their values; a fixed value stays whole.
+        """
+        if other.fixed and self.lower <= other.lower <= self.upper:
+            return other
         return Range(max(self.lower, other.lower), min(self.upper, other.upper))
 
     def clip(self, value: float) -> float:
-        return min(max(value, self.lower), self.upper)
+        return float(min(max(value, self.lower), self.upper))
 
     def excess(self, values: np.ndarray) -> np.ndarray:
         """How far values are outside, relative to 1 + |bound|; zero inside."""
@@ -164,6 +169,7 @@ class Phase:
 
     time_unit: the unit of time.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
+    time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     """
 
     name: str
@@ -181,6 +187,11 @@ class Phase:
     mayer: Function | None = None
     time_unit: str = "s"
     outputs: Mapping[str, Output] = field(default_factory=dict)
+    time_parameters: Mapping[str, str] = field(default_factory=dict)
+
+    def times_in(self, curves: Curves) -> dict[str, float]:
+        """The values of the parameters that are times of this phase, for curves that a solve may start from."""
+        return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
 
     @property
     def inputs(self) -> tuple[Variable, ...]:
@@ -239,6 +250,13 @@ class Problem:
     parameters: tuple[Variable, ...] = ()
     links: tuple[Constraint, ...] = ()
     mayer: Function | None = None
+
+    def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
+        """Name of each static parameter -> its value at the start. guess: one for each phase."""
+        values = dict(guess[0].parameters)
+        for phase, own in zip(self.phases, guess, strict=True):
+            values |= phase.times_in(own)
+        return values
 
     def __repr__(self) -> str:
         """A line for the problem and one for each phase, as far as they are few."""

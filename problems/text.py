@@ -11,6 +11,7 @@ from enum import Enum
 from math import floor, log10
 from typing import TypeVar
 from unicodedata import category
+from unicodedata import name as title
 
 T = TypeVar("T")
 
@@ -29,6 +30,11 @@ def tidy(text: str) -> str:
 def unprintable(character: str) -> bool:
     """Whether a character steers a terminal or is no text at all: a control character or a lone surrogate."""
     return category(character) in ("Cc", "Cs")
+
+
+def named(character: str) -> str:
+    """A character by its code and its name: U+00A0, no-break space."""
+    return f"U+{ord(character):04X}" + (f", {called.lower()}" if (called := title(character, "")) else "")
 
 
 def printable(text: str) -> str:

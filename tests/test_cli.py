@@ -121,6 +121,7 @@ def test_init_check_solve():
     result = trajopt("init", "my_problem")
     assert result.stdout == "my_problem.yaml: edit it, then run: trajopt solve my_problem.yaml\n"
     assert trajopt("check", "my_problem.yaml").stdout == "my_problem.yaml: no mistakes; 2 states, 1 control, 1 mesh\n"
+    assert trajopt("check", "-q", "my_problem.yaml").output == ""
     solved = trajopt("solve", "my_problem.yaml")
     assert (solved.exit_code, solved.stderr) == (0, "") and "my_problem.h5" in solved.stdout
     again = trajopt("init", "my_problem")

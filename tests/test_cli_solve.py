@@ -65,7 +65,7 @@ def test_short_forms_go_to_the_last_or_to_every_mesh():
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--method", "trap"], 'error: --method: there is no method "trap"; did you mean trapezoid?\n'),
+        (["--method", "trap"], 'error: --method: there is no method "trap"; write trapezoid\n'),
         (["--segments", "1000000"], "error: --segments: "),
         (["--segments", "0"], "error: --segments: 0 segments are asked for; ask for 1 to 200000"),
         (["--segments", "abc"], "error: --segments: this must be a whole number or a list of widths, not the text"),

@@ -5,17 +5,18 @@ import sys
 
 import pytest
 
-HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2"}
+HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2", "latex2mathml"}
 START = "from trajopt.cli.main import main; main()"
 
 
 @pytest.mark.parametrize(
     ("command", "lacks"),
     [
-        ("--help", HEAVY | {"pydantic", "pyomo.core", "h5py"}),
-        ("solve --help", HEAVY | {"pyomo.core", "h5py"}),
+        ("--help", HEAVY | {"pydantic", "pyomo.core", "h5py", "pint"}),
+        ("solve --help", HEAVY | {"pyomo.core", "h5py", "pint"}),
         ("check cartpole", HEAVY),
-        ("solve block_move_min_force -q -o a.h5", HEAVY),
+        ("check van_der_pol", HEAVY | {"pint"}),  # a file without units
+        ("solve block_move_min_force -q -o a.h5", HEAVY | {"pint"}),
     ],
 )
 def test_a_command_imports_what_it_needs(command, lacks, folder):

@@ -82,3 +82,8 @@ def test_an_end_outside_the_obstacle_passes(folder):
     (folder / "obstacle.yaml").write_text(OBSTACLE.replace("XC", "1") + "guess: {keyframes: {y: [0, 0.5, 0]}}\n")
     run = trajopt("solve", "obstacle.yaml", "--json")
     assert json.loads(run.stdout)["solved"]
+
+
+def test_a_path_constraint_without_a_value_at_a_given_end_is_no_crash():
+    """x/x at x = 0 is no number: nothing is said of it before the solve."""
+    assert load_text(floor("x/x", "final").replace("initial: 2", "initial: 0"), "floor.yaml")

@@ -97,7 +97,7 @@ def test_a_fixed_duration_says_nothing_of_h(duration, tmp_path):
 @pytest.mark.parametrize(
     ("edit", "says"),
     [
-        ("guess={keyframes: {x: [0, 1], v: [0, 2, 1]}}", "v has 3 keyframes, x has 2"),
+        ("guess={keyframes: {time: [0, 1], x: [0, 1], v: [0, 2, 1]}}", "v has 3 keyframes, time has 2"),
         ("guess={keyframes: {time: [0, 1], x: [0, 1, 2]}}", "x has 3 keyframes, time has 2"),
         ("guess={keyframes: {time: [0, 2, 1], x: [0, 1, 2]}}", "the times do not increase"),
         ("guess={keyframes: {y: [0, 1]}}", "y is not a state or a control of any phase"),

@@ -79,7 +79,7 @@ def test_json_schema_refuses_what_the_loader_refuses(validator):
 
 
 def test_the_examples_of_the_docs_are_right():
-    whole, example, _ = re.findall(r"```yaml\n(.*?)```", DOCS, re.DOTALL)
+    whole, example, *_ = re.findall(r"```yaml\n(.*?)```", DOCS, re.DOTALL)
     spec = load_text(whole, "docs.yaml")
     assert spec.name == "block move" and not spec.warnings and spec.text == whole
     rest = "{trajopt: 1, time: {initial: 0, final: 1}, parameters: {m: 1, k: 1}, controls: {u: {}}, "

@@ -145,8 +145,7 @@ def test_a_sweep_of_workers_looks_tables_up(tmp_path):
 
 def test_the_example_of_the_docs(tmp_path):
     docs = (Path(__file__).parents[1] / "docs" / "problem_file.md").read_text(encoding="utf-8")
-    example = re.findall(r"```yaml\n(.*?)```", docs, re.DOTALL)[-1]
-    assert example.startswith("tables:")
+    example = re.search(r"```yaml\n(tables:.*?)```", docs, re.DOTALL)[1]
     head = "trajopt: 1\nparameters: {a: 300, m: 1}\ntime: {initial: 0, final: 1}\ncontrols: {u: {}}\n"
     path = tmp_path / "docs.yaml"
     path.write_text(head + example + "  h: {rate: u}\nobjective: {minimize: {integral: u**2}}\n")

@@ -8,14 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problems.problem import Phase, Problem
+from ..problems.problem import Phase, Problem, Range
 from ..problems.text import short_repr
-from .constraint_kinds import ConstraintKind
+from .constraint_kinds import BOUND, DEFECT, PATH, PATH_END, ConstraintKind
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
 BETWEEN = ""
 """The phase of a constraint that belongs to several: a link."""
+
+EQUAL = Range(0.0, 0.0)
 
 
 @short_repr
@@ -117,3 +119,21 @@ def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray,
     table = [(v.value, *v.bounds) for v in transcription.variables]
     z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
     return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)
+
+
+def range_of_rows(problem: Problem, family: Family) -> Range:
+    """The range of what the rows of a family hold, as a problem has it.
+
+    problem: one whose program has the family.
+    family: of its transcription.
+    """
+    kind, name = family.kind, family.name
+    if family.phase == BETWEEN:
+        return next(link.bounds for link in problem.links if link.name == name)
+    phase = next(own for own in problem.phases if own.name == family.phase)
+    if kind is BOUND:
+        return next(state.bounds for state in phase.states if state.name == name)
+    if kind is DEFECT:
+        return EQUAL
+    constraints = getattr(phase, PATH.functions if kind is PATH_END else kind.functions)
+    return next(own.bounds for own in constraints if own.name == name)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from ..problems.errors import Mistake, SpecError
 
 if TYPE_CHECKING:  # `trajopt --help` imports this module; it needs no pydantic
+    from ..problems.load import MoreChecks
     from ..problems.problem import Problem
     from ..problems.schema.spec import Spec
 
@@ -22,11 +23,12 @@ TEXT, STDIN = "text", "standard input"
 """The names, in messages, of problem files that are none: a text, and what was piped in."""
 
 
-def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
+def load_file(name: str, overrides: Sequence[str] = (), units: bool = False) -> Spec:
     """The spec of one problem, its methods and the options of its engine checked.
 
     name: of a file, or of a shipped problem.
     overrides: "PATH=VALUE" each, as `problems.load.load` takes them.
+    units: whether the units of its expressions are checked too, for which pint is imported.
 
     Raises FileError if there is no such file, and SpecError with all the mistakes in the problem and the overrides.
     """
@@ -35,23 +37,35 @@ def load_file(name: str, overrides: Sequence[str] = ()) -> Spec:
     from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
-    return _with_methods_checked(load(find_problem(name), overrides, tuple(METHODS), check_engine_options))
+    return _with_methods_checked(
+        load(find_problem(name), overrides, tuple(METHODS), check_engine_options, _more(units))
+    )
 
 
-def load_yaml(text: str, overrides: Sequence[str] = (), file: str = TEXT) -> Spec:
+def _more(units: bool) -> MoreChecks | None:
+    """The checks that only some ask for."""
+    from ..problems.units.check import check_units
+
+    return check_units if units else None
+
+
+def load_yaml(text: str, overrides: Sequence[str] = (), file: str = TEXT, units: bool = False) -> Spec:
     """As `load_file`, from the text of a problem file.
 
     text: YAML.
     overrides: as of `load_file`.
     file: the name used in messages; without its suffix, the name of a problem that gives none. CSV files of tables are
         looked for in its folder, if it is the name of a file.
+    units: as of `load_file`.
     """
     from ..problems.load import load_text
     from .engines.table import check_engine_options
     from .schemes.table import METHODS
 
     folder = None if file in (TEXT, STDIN) else Path(file).parent
-    return _with_methods_checked(load_text(text, file, overrides, tuple(METHODS), check_engine_options, folder))
+    return _with_methods_checked(
+        load_text(text, file, overrides, tuple(METHODS), check_engine_options, folder, _more(units))
+    )
 
 
 def _with_methods_checked(spec: Spec) -> Spec:
@@ -65,12 +79,15 @@ def _with_methods_checked(spec: Spec) -> Spec:
     return spec
 
 
-def load_all(files: Sequence[str], overrides: Sequence[str] = (), stdin: str | None = None) -> list[Spec]:
+def load_all(
+    files: Sequence[str], overrides: Sequence[str] = (), stdin: str | None = None, units: bool = False
+) -> list[Spec]:
     """Several specs as of `load_file`.
 
     files: names.
     overrides: of all of them.
     stdin: the text that the name "-" stands for; None if it is a name like any other.
+    units: as of `load_file`.
 
     Raises SpecError with the mistakes of all files, or the FileError of the first that cannot be read.
     """
@@ -79,7 +96,8 @@ def load_all(files: Sequence[str], overrides: Sequence[str] = (), stdin: str | N
     for name in files:
         try:
             piped = name == "-" and stdin is not None
-            specs.append(load_yaml(stdin or "", overrides, STDIN) if piped else load_file(name, overrides))
+            text = stdin or ""
+            specs.append(load_yaml(text, overrides, STDIN, units) if piped else load_file(name, overrides, units))
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,6 +18,25 @@ from .schemes.mesh import Mesh
 Transcribe = Callable[[Problem, Sequence[Mesh], Sequence[Curves], bool], Transcription]
 
 
+TIMES = ("t[initial]", "t[final]")
+"""Names of the times of a phase, where they are given."""
+
+
+class Number(NamedTuple):
+    """A number that a program reads beside its unknowns.
+
+    value: as the problem has it.
+    replaced: the same program with another number in its place; good for values at one point.
+    """
+
+    value: float
+    replaced: Callable[[float], NonlinearProgram]
+
+
+Numbers = Mapping[tuple[str, str], Number]
+"""(phase, or BETWEEN; name of a parameter of the file that is data, or one of TIMES) -> number."""
+
+
 class Program(NamedTuple):
     """A problem ready to be solved. built: `time.perf_counter` when the transcription was there, but not yet nlp."""
 
@@ -30,11 +49,13 @@ class Program(NamedTuple):
 class MethodKind:
     """refused: why a phase cannot be transcribed on its mesh. transcribe: as `transcribe.transcribe`, all of its
     arguments given. compiled: the nonlinear program. costates: lambda of each phase, shape (n_x, K + N - 1), or None.
-    kept: both at once, where programs are kept for the next problem that differs in numbers only.
+    numbers: what a program reads beside its unknowns. kept: a transcription and its program at once, where programs are
+    kept for the next problem that differs in numbers only.
     """
 
     refused: Callable[[Problem, Phase, Mesh], Iterable[Mistake]]
     transcribe: Transcribe
     compiled: Callable[[Any], NonlinearProgram]
     costates: Callable[[Transcription, Any, Outcome], Sequence[np.ndarray | None]]
+    numbers: Callable[[Any, Any], Numbers]
     kept: Callable[[Problem, Sequence[Mesh], Sequence[Curves]], Program] | None = None

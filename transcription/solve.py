@@ -19,8 +19,9 @@ from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step
+from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
-from .transcribe import refused
+from .transcribe import numbers_of, refused
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
@@ -186,10 +187,11 @@ class _Loop:
     def _told(self) -> Solution:
         assert self.last is not None
         gap = _gap(self.settings.refine, self.last[0].objective)
-        solution, _ = tightened(self.last, self.settings, gap, self._watch())
+        solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
-        return replace(solution, accept=self.settings.accept)
+        sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
+        return replace(solution, accept=self.settings.accept, sensitive=sensitive)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,10 @@ from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
 from .collocation import kept, model
 from .collocation.differences import refused_by_differences
+from .collocation.numbers import numbers
 from .engines.outcome import Outcome
 from .layout import Transcription
-from .method_kind import MethodKind, Program
+from .method_kind import MethodKind, Numbers, Program
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
@@ -36,7 +38,12 @@ def _shooting() -> MethodKind:
     def costates_of(transcription: Transcription, nlp: ShootingNLP, outcome: Outcome) -> list[np.ndarray]:
         return nlp.costates(outcome)
 
-    return MethodKind(refused_by_shooting, by_shooting, ShootingNLP, costates_of)
+    return MethodKind(refused_by_shooting, by_shooting, ShootingNLP, costates_of, _own_numbers)
+
+
+def _own_numbers(transcription: Transcription, nlp: Any) -> Numbers:
+    numbers: Numbers = nlp.numbers()
+    return numbers
 
 
 def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mistake]:
@@ -44,8 +51,10 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
-    "collocation": lambda: MethodKind(_nothing_refused, model.by_model, model.compiled_model, costates, kept.program),
-    "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates),
+    "collocation": lambda: MethodKind(
+        _nothing_refused, model.by_model, model.compiled_model, costates, numbers, kept.program
+    ),
+    "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates, numbers),
     "shooting": _shooting,
 }
 
@@ -78,7 +87,7 @@ def _joined() -> MethodKind:
         found = nlp.costates(outcome)
         return [found[phase.name] for phase in transcription.problem.phases]
 
-    return MethodKind(_nothing_refused, transcribe_parts, JoinedNLP, costates_of)
+    return MethodKind(_nothing_refused, transcribe_parts, JoinedNLP, costates_of, _own_numbers)
 
 
 def transcribe(
@@ -142,6 +151,15 @@ def with_costates(
     outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome.y))
     found = _kind_of(transcription).costates(transcription, nlp, outcome)
     return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, found, strict=True))
+
+
+def numbers_of(transcription: Transcription, nlp: NonlinearProgram) -> Numbers:
+    """What a program reads beside its unknowns: given times, and the parameters of the file that are data in it.
+
+    transcription: of any methods.
+    nlp: its program.
+    """
+    return _kind_of(transcription).numbers(transcription, nlp)
 
 
 def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:

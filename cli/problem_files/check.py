@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...transcription.loading import build_checked, load_all
 from ..errors import command
-from ..options import Files, Set, overrides
+from ..options import Files, Quiet, Set, overrides
 from ..output.printing import one_line, plural
 from ..streams import piped_text
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:  # `trajopt --help` imports this module; it needs no pydantic
 
 
 @command
-def check(files: Files, *, set_: Set = None) -> None:
+def check(files: Files, *, set_: Set = None, quiet: Quiet = False) -> None:
     """Name every mistake in problem files, without solving.
 
     Example: trajopt check my_problem.yaml
     """
-    specs = load_all(files, overrides(set_), piped_text(files))
+    specs = load_all(files, overrides(set_), piped_text(files), units=True)
     build_checked(specs)
-    for spec in specs:
+    for spec in specs if not quiet else ():
         for warning in spec.warnings:
             print(f"warning: {one_line(str(warning))}", file=sys.stderr)
         print(f"{spec.file}: no mistakes; " + ", ".join(plural(*count) for count in _counts(spec)))

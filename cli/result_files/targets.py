@@ -1,4 +1,4 @@
-"""Where pictures go."""
+"""Where pictures and pages go."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[st
         targets = [[Path(output or "") / (path.stem + ending) for ending in endings] for path in results]
         flat = [path for paths in targets for path in paths]
         if twice := next((path for path in flat if flat.count(path) > 1), None):
-            raise SpecError(
-                Mistake(str(twice), "two of the pictures would go to this file", "draw one of them with -o")
-            )
+            raise SpecError(Mistake(str(twice), "two of them would go to this file", "do one of them with -o"))
         return targets
     if output.endswith(os.sep):
         raise FileError(Mistake(f"-o {output}", "there is no such folder", "create it first"))

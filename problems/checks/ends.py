@@ -27,7 +27,7 @@ def impossible_at_ends(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
                 continue
             bounds = symbols.range(constraint)
             with np.errstate(all="ignore"):
-                value = np.array(float(function(given, np)))
+                value = np.array(float(function({name: np.float64(own) for name, own in given.items()}, np)))
             if np.isfinite(value) and bounds.excess(value) > ROUNDING:
                 what = f"this cannot hold at the {end} time: it is {value:.6g} there, and {_asked(bounds)} is asked"
                 names = ", ".join(f"{name}[{end}]" for name in sorted(function.names))

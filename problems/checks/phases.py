@@ -8,10 +8,12 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.tree import Operation, leaves, nodes
+from ..language.functions import called_functions
+from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
 from ..names.variables import states
 from ..phases.between import Between
-from ..phases.merge import home, phase_specs
+from ..phases.merge import home, phase_specs, phases_as_written
 from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
 from ..problem import Range
 from ..schema.declarations import OPEN_END, Time
@@ -21,7 +23,7 @@ from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .keyframes import uneven, unordered
+from .guesses import computed_guess, misnamed, uneven, unordered
 from .names import check_names, name_trouble
 from .values import NO_STATES, check_phase
 
@@ -39,30 +41,41 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         if spec.links:
             what = "there are links, but no phases to link"
             return [Finding(("links",), what, "add phases:, or write the conditions under constraints.boundary")], []
-        return check_phase(spec, whole)
+        found, warned = check_phase(spec, whole)
+        return found + (list(computed_guess(spec)) if whole and not found else []), warned
     errors = list(_structure(spec))
     if errors:
         return errors, []
-    own = phase_specs(spec)
+    written = phases_as_written(spec)
     warnings: list[Finding] = []
     open_ends = list(_open_ends(spec))
-    for name, phase in own.items():
+    for name, phase in written.items():
         if not phase.states and not phase.model:
             errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
             continue
         found, warned = check_phase(phase, whole, name)
         errors += (_at_home(spec, name, finding) for finding in found)
         warnings += (_at_home(spec, name, finding) for finding in warned)
-    if not all(phase.states or phase.model for phase in own.values()):
+    if not all(phase.states or phase.model for phase in written.values()):
         return errors, []
+    own = phase_specs(spec)
     if open_ends:
         errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
+    called = called_functions(spec)
+    spec, mistaken_calls = shared_in_plain(spec)
     between = Between(symbols, Symbols(spec))
-    connected = [*_expressions(spec, between), *check_names(spec), *_frames(spec, between), *_absent(spec, between)]
+    connected = [
+        *_calls(mistaken_calls),
+        *_expressions(spec, between),
+        *check_names(spec),
+        *_frames(spec, between),
+        *_absent(spec, between),
+    ]
     if whole and not errors and not connected:
         connected += [*_passages(spec, own, symbols), *_objective(spec, own), *_ranges(spec, between)]
-    return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings)]
+        connected += computed_guess(spec) if not connected else []
+    return list(dict.fromkeys(errors + connected)), [*_everywhere(spec, own, warnings, called)]
 
 
 def _at_home(spec: Spec, phase: str, finding: Finding) -> Finding:
@@ -115,6 +128,13 @@ def _open_ends(spec: Spec) -> Iterator[Finding]:
             yield Finding(path, f"nothing says when {where}", remedy)
 
 
+def _calls(mistaken: list[Finding]) -> Iterator[Finding]:
+    """The mistakes in calls of functions that are about the ends of several phases; others are told by the phases."""
+    for finding in mistaken:
+        if finding.path[:2] == ("constraints", "boundary") or "terminal" in finding.path or finding.path[0] == "links":
+            yield finding
+
+
 def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
     """The names in everything that is about the ends of several phases."""
     for path, expression, constant in _uses(spec):
@@ -130,18 +150,16 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
 
 
 def _frames(spec: Spec, between: Between) -> Iterator[Finding]:
-    """Keyframes of the whole trajectory: of one length, of names that some phase has, at times that increase."""
-    frames = spec.guess.keyframes
+    """What the guess says of the whole trajectory: names that some phase has, keyframes that fit together."""
+    guess = spec.guess
     known = [v.name for own in between.phases.values() for v in (*own.states, *own.controls, *own.algebraic)]
-    for name, row in frames.items():
-        path: Path = ("guess", "keyframes", name)
-        if name not in known and name != "time":
-            remedy = did_you_mean(name, known, "name a state, a control or an algebraic variable of a phase")
-            yield Finding(path, f"{brief(name)} is not a state or a control of any phase", remedy)
+    whole = guess.model_copy(update={"constants": {}, "formulas": {}})  # these are of every phase
+    yield from misnamed(whole, known, "a state or a control of any phase")
+    for name, row in guess.keyframes.items():
         for i, value in enumerate(row):
-            yield from between.findings((*path, i), value, constant=True)
-    yield from uneven(frames)
-    times = [between.shared.number(value, 0.0) for value in frames.get("time", ()) if not between.unsound(value)]
+            yield from between.findings(("guess", "keyframes", name, i), value, constant=True)
+    yield from uneven(guess)
+    times = [between.shared.number(v, 0.0) for v in guess.keyframes.get("time", ()) if not between.unsound(v)]
     yield from unordered(times)
 
 
@@ -230,13 +248,13 @@ def _objective(spec: Spec, own: Mapping[str, Spec]) -> Iterator[Finding]:
         yield Finding(("objective", sense), "the objective is empty", "add integral: or terminal: with an expression")
 
 
-def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding]) -> Iterator[Finding]:
+def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding], called: set[str]) -> Iterator[Finding]:
     """Warnings of phases, each once; a name counts as used nowhere if no phase and no link uses it."""
     written = [
         *(expression for _, expression, _ in _uses(spec)),
         *(v for row in spec.guess.keyframes.values() for v in row),
     ]
-    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)}
+    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)} | called
     seen: dict[Finding, int] = {}
     for warning in warnings:
         seen[warning] = seen.get(warning, 0) + 1

@@ -11,10 +11,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..names.symbols import UNKNOWN
-from ..schema.fields import TABLES
+from ..schema.fields import CALLED
 from ..schema.spec import Spec
-from ..schema.tables import table_names
-from ..text import nearest
+from ..schema.tables import called_names
+from ..wishes.keys import meant
 from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 
@@ -33,7 +33,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
     """
     if error.error_count() > MAX_FINDINGS:
         return None
-    data, tables = copy.deepcopy(data), table_names(data)
+    data, called = copy.deepcopy(data), called_names(data)
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
             path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
@@ -41,7 +41,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
                 return None
             _replace(data, path, extra)
         try:
-            return Spec.model_validate(data, context={TABLES: tables})
+            return Spec.model_validate(data, context={CALLED: called})
         except ValidationError as remaining:
             error = remaining
     return None
@@ -68,7 +68,7 @@ def _replace(data: dict[str, Any], path: Path, extra: bool) -> None:
         # a list where one value should stand
         nodes.pop()
     path = path[: len(nodes)]
-    if path[0] == "states" and _keeps_dynamics(nodes[-1], str(path[-1]), extra):
+    if path[0] == "states" and _keeps_dynamics(nodes[-1], path, extra):
         return
     harmless = None if extra else _harmless(path)
     if harmless is None and isinstance(nodes[-1], dict):
@@ -91,10 +91,11 @@ def _replace_in_phase(data: dict[str, Any], path: Path, extra: bool) -> None:
     _replace(phases[path[1]], path[2:], extra)
 
 
-def _keeps_dynamics(node: dict[str, Any], key: str, extra: bool) -> bool:
+def _keeps_dynamics(node: dict[str, Any], path: Path, extra: bool) -> bool:
     """Mend a state without taking its dynamics, or the name of its velocity, away; whether that was the mistake."""
+    key = str(path[-1])
     entry = node.get(key)
-    if extra and nearest(key, ("rate", "accel")):
+    if extra and meant(path, ("rate", "accel")):
         node["rate" if "velocity" not in node else "accel"] = UNKNOWN
         del node[key]
         return True

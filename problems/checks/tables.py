@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from ..names.lookups import Kept, kept
-from ..names.occurrences import CONSTANT, uses
+from ..names.occurrences import SOLVED, uses
 from ..names.symbols import Symbols
 from ..problem import Range
 from ..schema.spec import Spec
@@ -23,7 +23,7 @@ def beyond_tables(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Arguments of tables that cannot stay within the points; spec: otherwise without mistakes."""
     variables = {v.name: v for v in (*symbols.states, *symbols.controls, *symbols.algebraic)}
     for use in uses(spec):
-        if use.context == CONSTANT or use.path[0] == "expressions":
+        if use.context not in SOLVED or use.path[0] == "expressions":
             continue
         for own in kept(symbols.function(use.expression)):
             if spec.solver.engine == "newton":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ..expressions.tree import Lookup, Name, nodes
 from ..models import find_model
@@ -22,14 +22,20 @@ _USED = {
 }
 
 
-def unused(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
-    """A warning for each name that no expression uses; spec: without mistakes."""
+def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator[Finding]:
+    """A warning for each name that no expression uses.
+
+    spec: without mistakes, its functions written out.
+    symbols: of it.
+    called: keys of the functions that it called before.
+    """
     used = [node for use in uses(spec) for node in nodes(use.expression.root)]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
     if spec.model:
         model = find_model(spec.model)
         named |= {*model.parameters, *model.controls, *model.algebraic}
     outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
+    outputs = {name for name in outputs if "(" not in name}.union(called)
     for name, role in symbols.roles.items():
         if role in _USED and name not in named | outputs:
             what = f"the {role} {name} is used nowhere"

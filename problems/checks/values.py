@@ -6,8 +6,12 @@ from math import inf, isfinite
 
 from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
+from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
+from ..language.functions import called_functions
+from ..language.plain import in_plain
+from ..language.times import TimeParameter
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
 from ..names.symbols import Symbols, no_value
@@ -17,12 +21,12 @@ from ..problem import Range
 from ..schema.declarations import TimeEnd
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .ends import impossible_at_ends
-from .keyframes import uneven, unordered
+from .functions import signature_troubles
+from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .names import name_trouble, title_troubles
 from .size import too_large
 from .tables import beyond_tables
@@ -32,8 +36,8 @@ NO_STATES = Finding(
     ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
 )
 
-OF_TABLES = RESERVED.union(LACKING, ALIASES)
-"""Names that no table may have: some functions are told to be missing, with what does their work."""
+CALLED = RESERVED.union(LACKING, ALIASES)
+"""Names that no table and no function of a file may have: some are told to be missing, with what does their work."""
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
@@ -45,7 +49,10 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     """
     if not spec.model and not spec.states:
         return [NO_STATES], []
+    called = called_functions(spec)
+    spec, mistaken_calls = in_plain(spec)
     checker = _Checker(spec)
+    checker.errors += mistaken_calls
     checker.names()
     checker.constants()
     checker.varying_at_ends()
@@ -60,8 +67,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.bounds(path, constraint)
     checker.constraint_names()
     checker.static_guesses()
-    checker.guess_names()
-    checker.guess_values()
+    checker.guess()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
@@ -72,8 +78,12 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
+<<<<<<< HEAD
         checker.errors += too_large(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols)
+=======
+        checker.warnings += unused(spec, checker.symbols, called)
+>>>>>>> main
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
@@ -102,7 +112,9 @@ class _Checker:
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
             for name in getattr(spec, group):
-                if name not in own:
+                if group == "expressions" and set("()") & set(name):
+                    self.function(name, first)
+                elif name not in own and not isinstance(spec.optimize.get(name), TimeParameter):
                     self.name((group, name), name, first)
         for state in self.symbols.states:
             if state.velocity_of:
@@ -111,9 +123,16 @@ class _Checker:
             if name in first:
                 self.error((first[name], name), f"{name} is an output of the model {spec.model}", "choose another name")
 
-    def name(self, path: Path, name: str, first: dict[str, str]) -> None:
+    def function(self, key: str, first: dict[str, str]) -> None:
+        """A name with arguments."""
+        path: Path = ("expressions", key)
+        self.errors += signature_troubles(path, key)
+        if own := signature(key):
+            self.name(path, own.name, first, CALLED)
+
+    def name(self, path: Path, name: str, first: dict[str, str], reserved: frozenset[str] = RESERVED) -> None:
         """One name; first: every name before it -> where it was declared."""
-        if trouble := name_trouble(name, OF_TABLES if path[0] == "tables" else RESERVED):
+        if trouble := name_trouble(name, CALLED if path[0] == "tables" else reserved):
             self.error(path, *trouble)
         elif name in first:
             self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
@@ -232,30 +251,19 @@ class _Checker:
             if guess is not None:
                 self.inside(("optimize", name, "guess"), [guess], self.range(("optimize", name), static))
 
-    def guess_names(self) -> None:
-        """Constants and keyframes name states, controls and algebraic variables, each in one of the two."""
-        known = [declared.name for declared in self.declared()]
-        keyframes, constants = self.spec.guess.keyframes, self.spec.guess.constants
-        for path in [*(("constants", n) for n in constants), *(("keyframes", n) for n in keyframes)]:
-            if path[1] not in known and path != ("keyframes", "time"):
-                remedy = did_you_mean(path[1], known, "name a state, a control or an algebraic variable")
-                what = f"{brief(path[1])} is not a state or a control, nor an algebraic variable"
-                self.error(("guess", *path), what, remedy)
-            elif path[0] == "constants" and path[1] in keyframes:
-                self.error(("guess", *path), f"{path[1]} has keyframes as well", "keep one of the two")
-
-    def guess_values(self) -> None:
-        """Keyframes have one length and increasing times; guesses lie inside the bounds."""
-        rows = {("guess", "constants", name): [value] for name, value in self.spec.guess.constants.items()}
-        keyframes = {("guess", "keyframes", name): row for name, row in self.spec.guess.keyframes.items()}
-        self.errors += uneven(self.spec.guess.keyframes)
-        declared = {variable.name: variable for variable in self.declared()}
-        for path, row in {**rows, **keyframes}.items():
-            keys = [path] if path in rows else [(*path, i) for i in range(len(row))]
-            values = [self.numbers[key] for key in keys if key in self.numbers]
+    def guess(self) -> None:
+        """Names, lengths and times of the guess; its values lie inside the bounds."""
+        guess, declared = self.spec.guess, {variable.name: variable for variable in self.declared()}
+        times = (
+            self.range(("time", "initial"), self.spec.time.initial),
+            self.range(("time", "final"), self.spec.time.final),
+        )
+        self.errors += guess_mistakes(self.spec, self.symbols, times)
+        self.warnings += guess_warnings(guess, list(declared))
+        for path, name, values in values_of(guess, self.numbers):
             if path == ("guess", "keyframes", "time"):
                 self.errors += unordered(values)
-            elif variable := declared.get(path[-1]):
+            elif variable := declared.get(name):
                 self.inside(path, values, self.range(variable.path, variable.entry))
 
     def objective(self) -> None:

@@ -286,17 +286,17 @@ class _Audit(_Walk):
 
 
 @lru_cache(maxsize=4096)
-def parse(text: str, tables: frozenset[str] = frozenset()) -> Expression:
+def parse(text: str, called: frozenset[str] = frozenset()) -> Expression:
     """The expression that the text means.
 
     text: as a user writes it.
-    tables: the names of the tables of data that it may look up.
+    called: the names of the tables of data and of the functions of the file.
 
     Raises ExpressionError, which says what is wrong, where in the text, and how to mend it; also for a constant part
     that has no finite value, such as 1/0 or 9**9**9.
     """
     text = tidy(text)
-    expression = Expression(text, parse_tree(text, tables))
+    expression = Expression(text, parse_tree(text, called))
     if fault := expression.fault({}):
         raise ExpressionError(f'"{shorten(fault.text)}" {fault.why}', "give it a finite value or leave it out")
     return expression

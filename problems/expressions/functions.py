@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 from functools import partial, reduce
 from typing import Any, NamedTuple
 
@@ -27,6 +28,22 @@ SlopeRule = Callable[[Signs], Signs]
 """The signs of an operand -> those of the derivative by it."""
 
 MAX_ARGUMENTS = 20
+
+
+class OfUnits(Enum):
+    """What a function makes of the units of its operands.
+
+    NUMBER and ANGLE (in radians) follow from an operand that is a pure number or in radians. The others take operands
+    of one unit, whichever it is: they keep it, take its root, or make of them a pure number (RATIO) or an angle
+    (DIRECTION).
+    """
+
+    NUMBER = auto()
+    ANGLE = auto()
+    KEPT = auto()
+    ROOT = auto()
+    RATIO = auto()
+    DIRECTION = auto()
 
 
 def always(signs: Signs) -> Callable[[Any], Signs]:
@@ -71,6 +88,7 @@ class FunctionRow:
     in_abs: +1 or -1 if the function is made of |y|, which then has that sign in it: such a function is not consistent
         (paper, section 5.5) unless y is constant. 0 for smooth functions.
     width: given if the last operand is a width, which must be positive.
+    units: what it makes of the units of its operands.
     minus_infinity, not_a_number: what is wrong where the value is that.
     """
 
@@ -83,6 +101,7 @@ class FunctionRow:
     arguments: tuple[int, int] = (1, 1)
     in_abs: int = 0
     width: Width | None = None
+    units: OfUnits = OfUnits.NUMBER
     minus_infinity: str = "is too large a number"
     not_a_number: str = "is not a real number"
 
@@ -134,33 +153,59 @@ _ROWS = (
     FunctionRow("sin", "cos(x)", r"\sin"),
     FunctionRow("cos", "-sin(x)", r"\cos"),
     FunctionRow("tan", "1 + tan(x)**2", r"\tan"),  # rises between its poles, and falls over them
-    FunctionRow("asin", "1/sqrt(1 - x**2)", r"\arcsin", sign_kept, _RISING),
-    FunctionRow("acos", "-1/sqrt(1 - x**2)", r"\arccos", _POSITIVE, _FALLING),
-    FunctionRow("atan", "1/(1 + x**2)", r"\arctan", sign_kept, _RISING),
+    FunctionRow("asin", "1/sqrt(1 - x**2)", r"\arcsin", sign_kept, _RISING, units=OfUnits.ANGLE),
+    FunctionRow("acos", "-1/sqrt(1 - x**2)", r"\arccos", _POSITIVE, _FALLING, units=OfUnits.ANGLE),
+    FunctionRow("atan", "1/(1 + x**2)", r"\arctan", sign_kept, _RISING, units=OfUnits.ANGLE),
     FunctionRow("sinh", "cosh(x)", r"\sinh", sign_kept, _RISING),
     FunctionRow("cosh", "sinh(x)", r"\cosh", _POSITIVE, with_operand),
     FunctionRow("tanh", "1 - tanh(x)**2", r"\tanh", sign_kept, _RISING),
     FunctionRow("exp", "exp(x)", r"\exp", _POSITIVE, _RISING),
     FunctionRow("log", "1/x", r"\log", slope=_RISING, minus_infinity=_LOG_OF_ZERO),
-    FunctionRow("sqrt", "1/(2*sqrt(x))", r"\sqrt", _POSITIVE, _RISING),
+    FunctionRow("sqrt", "1/(2*sqrt(x))", r"\sqrt", _POSITIVE, _RISING, units=OfUnits.ROOT),
     FunctionRow("log10", "1/(x*log(10))", slope=_RISING, composed=composed.log10, minus_infinity=_LOG_OF_ZERO),
     FunctionRow("cot", "-1 - cot(x)**2", composed=composed.cot),  # falls between its poles, and rises over them
     FunctionRow("sec", "sec(x)*tan(x)", composed=composed.sec),
     FunctionRow("csc", "-csc(x)*cot(x)", composed=composed.csc),
     FunctionRow("erf", "2/sqrt(pi)*exp(-x**2)", "", sign_kept, _RISING, composed.erf),
-    FunctionRow("atan2", "", sign=sign_kept, composed=composed.atan2, arguments=_TWO, not_a_number=_CUT),
-    FunctionRow("hypot", "", "", _POSITIVE, with_operand, composed.norm, _TWO),
-    FunctionRow("norm", "", "", _POSITIVE, with_operand, composed.norm, _ANY),
-    FunctionRow("sign", "", "", sign_kept, _RISING, composed.sign, _TWO, width=_OF_SIGN),
-    FunctionRow("step", "", "", _POSITIVE, _RISING, composed.step, _TWO, width=_OF_STEP),
-    FunctionRow("smooth_abs", "", "", _POSITIVE, with_operand, composed.smooth_abs, _TWO, width=_OF_ABS),
     FunctionRow(
-        "abs", "x/abs(x)", sign=_POSITIVE, slope=with_operand, composed=lambda _, operands: abs(operands[0]), in_abs=1
+        "atan2", "", sign=sign_kept, composed=composed.atan2, arguments=_TWO, not_a_number=_CUT, units=OfUnits.DIRECTION
+    ),
+    FunctionRow("hypot", "", "", _POSITIVE, with_operand, composed.norm, _TWO, units=OfUnits.KEPT),
+    FunctionRow("norm", "", "", _POSITIVE, with_operand, composed.norm, _ANY, units=OfUnits.KEPT),
+    FunctionRow("sign", "", "", sign_kept, _RISING, composed.sign, _TWO, width=_OF_SIGN, units=OfUnits.RATIO),
+    FunctionRow("step", "", "", _POSITIVE, _RISING, composed.step, _TWO, width=_OF_STEP, units=OfUnits.RATIO),
+    FunctionRow(
+        "smooth_abs", "", "", _POSITIVE, with_operand, composed.smooth_abs, _TWO, width=_OF_ABS, units=OfUnits.KEPT
     ),
     FunctionRow(
-        "min", "", sign=_of_min, slope=_RISING, composed=partial(_exact, np.minimum), arguments=_ANY, in_abs=-1
+        "abs",
+        "x/abs(x)",
+        sign=_POSITIVE,
+        slope=with_operand,
+        composed=lambda _, operands: abs(operands[0]),
+        in_abs=1,
+        units=OfUnits.KEPT,
     ),
-    FunctionRow("max", "", sign=_of_max, slope=_RISING, composed=partial(_exact, np.maximum), arguments=_ANY, in_abs=1),
+    FunctionRow(
+        "min",
+        "",
+        sign=_of_min,
+        slope=_RISING,
+        composed=partial(_exact, np.minimum),
+        arguments=_ANY,
+        in_abs=-1,
+        units=OfUnits.KEPT,
+    ),
+    FunctionRow(
+        "max",
+        "",
+        sign=_of_max,
+        slope=_RISING,
+        composed=partial(_exact, np.maximum),
+        arguments=_ANY,
+        in_abs=1,
+        units=OfUnits.KEPT,
+    ),
 )
 
 FUNCTIONS = {row.name: row for row in _ROWS}

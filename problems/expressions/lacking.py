@@ -32,6 +32,12 @@ ALIASES = {
     "erfc": "1 - erf({})",
     "sgn": "sign({}, eps), where eps is the width of the smooth change",
     "signum": "sign({}, eps), where eps is the width of the smooth change",
+    **{f"{name}d": name + "(pi/180*({}))" for name in ("sin", "cos", "tan")},
+    **{f"{name}d": "180/pi*" + name + "({})" for name in ("asin", "acos", "atan", "atan2")},
+    **dict.fromkeys(("deg2rad", "radians", "rad"), "pi/180*({})"),
+    **dict.fromkeys(("rad2deg", "degrees"), "180/pi*({})"),
+    "final": "{}[final]",
+    "initial": "{}[initial]",
 }
 """Names of functions that exist elsewhere -> what to write for them, with {} for the argument."""
 
@@ -75,6 +81,13 @@ def _delay(name: str) -> Lack:
     return Lack(f"there is no {name}: expressions hold values at one time, and there are no delays", _CHAIN)
 
 
+def _data(name: str) -> Lack:
+    remedy = (
+        "declare it under tables:, as rho: {points: {h: [0, 1e4, 2e4]}, values: [1.2, 0.4, 0.09]}, and write rho(h)"
+    )
+    return Lack(f"there is no {name}: data stand in a table, which is called by its name", remedy)
+
+
 def _remainder(name: str) -> Lack:
     remedy = f"an angle needs none, sin and cos repeat by themselves; for a jump {_SMOOTH_SWITCH}"
     return Lack(_jump(name).what, remedy)
@@ -88,9 +101,23 @@ _KINDS = {
     _integral: "integral integrate",
     _random: "random rand randn randint noise",
     _delay: "delay delayed",
+    _data: "interp interp1 interp1d interp2 interpolate interpolant lookup spline pchip table griddedInterpolant",
 }
 
 LACKING = {name: kind(name) for kind, names in _KINDS.items() for name in names.split()}
+
+
+_FINAL = ("tf", "t_f", "tF", "T", "end", "final", "t_final", "tend", "t_end", "-1")
+_INITIAL = ("t0", "t_0", "start", "initial", "t_initial", "0")
+
+
+def end_meant(argument: str) -> str | None:
+    """How a value at an end is written, with {0} for the name, for x(tf), x[end] and x(0); None for other arguments."""
+    if argument == "1":
+        return "{0}[final] for the value at the final time, {0}[initial] for the one at the initial time"
+    if re.fullmatch(r"\d+(\.\d*)?", argument) and float(argument) > 0:
+        return "{0}[final] if that is the final time; for a time between the ends give waypoints: or phases:"
+    return "{0}[final]" if argument in _FINAL else "{0}[initial]" if argument in _INITIAL else None
 
 
 def at_another_time(name: str, argument: str) -> Lack | None:
@@ -99,6 +126,11 @@ def at_another_time(name: str, argument: str) -> Lack | None:
     argument: the text between the parentheses.
     """
     argument = argument.strip()
+    if name in FUNCTIONS:
+        return None
+    if name != "t" and (end := end_meant(argument)):
+        what = f"{name} is not a function, and has a value at the ends of time only where it says which"
+        return Lack(what, f"write {end.format(name)}")
     meant = did_you_mean(name, FUNCTIONS)
     if argument == "t":
         what = f"there is no function {name}" if meant else f"{name} is not a function"

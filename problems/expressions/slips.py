@@ -12,11 +12,12 @@ from collections.abc import Collection
 from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
-from ..text import did_you_mean, excerpt, nearest, shorten
+from ..text import did_you_mean, excerpt, named, nearest, shorten
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
-from .lacking import ALIASES, LACKING, at_another_time
+from .lacking import ALIASES, LACKING, at_another_time, end_meant
 
 ENDS = ("initial", "final")
+DURATION = "duration"  # t[duration]: t[final] - t[initial]
 RATE = "rate"  # v[rate]: the time derivative of a state whose dynamics are implicit
 # `time` heads the keyframes of a guess, so no state may be called that.
 RESERVED = frozenset({"t", "time", "pi", *ENDS, *FUNCTIONS, *keyword.kwlist})
@@ -61,8 +62,15 @@ _OTHER = {
     "−": ("this minus sign is a typographic one", "write a plain -"),
     "–": ("this minus sign is a typographic one", "write a plain -"),
     "√": ("√ is not a function", "write sqrt( )"),
-    "°": ("degrees are not understood", "write radians: multiply by pi/180"),
+    "°": ("angles are in radians", "write 30*pi/180 for 30 degrees"),
 }
+
+
+def _other(character: str) -> tuple[str, str]:
+    """What is said of a character that no expression has; one that cannot be seen is named."""
+    if character.isprintable() or character in _OTHER:
+        return _OTHER.get(character, _STRAY)
+    return f"there is an invisible character here, {named(character)}", "remove it"
 
 
 class ExpressionError(ValueError):
@@ -74,8 +82,8 @@ class ExpressionError(ValueError):
 
 
 class Token(NamedTuple):
-    """category: number, name, table (a name before its arguments), operator, separator (a comma between arguments),
-    other or end (an empty token)."""
+    """category: number, name, called (a name of the file before its arguments), operator, separator (a comma between
+    arguments), other or end (an empty token)."""
 
     category: str
     text: str
@@ -83,11 +91,11 @@ class Token(NamedTuple):
     stop: int
 
 
-def check_syntax(text: str, tables: Collection[str] = ()) -> None:
+def check_syntax(text: str, called: Collection[str] = ()) -> None:
     """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression.
 
     text: the expression.
-    tables: the names of the tables of data, which have arguments as functions have.
+    called: the names that have arguments: of tables of data, and of functions of the file.
     """
     if not text:
         raise ExpressionError("the expression is empty", "write a number or an expression such as m*g*sin(q)")
@@ -96,7 +104,7 @@ def check_syntax(text: str, tables: Collection[str] = ()) -> None:
             f"the expression has {len(text)} characters, more than the {MAX_LENGTH} allowed",
             "name its parts under expressions:",
         )
-    tokens = _with_tables(text, _tokens(text), tables)
+    tokens = _with_called(text, _tokens(text), called)
     for token, after in pairwise(tokens):
         _check_token(text, token, after)
     _check_brackets(text, tokens)
@@ -113,16 +121,19 @@ def _tokens(text: str) -> list[Token]:
     return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
-def _with_tables(text: str, tokens: list[Token], tables: Collection[str]) -> list[Token]:
-    """The tokens with the names of tables before their arguments marked; a name that is nearly one is refused."""
+def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> list[Token]:
+    """The tokens with the names of tables and functions of the file marked where they stand before their arguments.
+
+    A name before arguments that is nearly one of them is refused.
+    """
     marked = tokens[:]
     for i, (token, after) in enumerate(pairwise(tokens)):
         if token.category != "name" or after.text != "(" or token.text in FUNCTIONS:
             continue
-        if token.text in tables:
-            marked[i] = token._replace(category="table")
-        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, tables)):
-            _fail(text, token, token, f"there is no table {token.text}", f"did you mean {meant}?")
+        if token.text in called:
+            marked[i] = token._replace(category="called")
+        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, called)):
+            _fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
     return marked
 
 
@@ -135,7 +146,7 @@ def _check_token(text: str, token: Token, after: Token) -> None:
     if token.text in LACKING and after.text == "(":
         _fail(text, token, _closing(text, after), *LACKING[token.text])
     if token.category == "other":
-        _fail(text, token, token, *_OTHER.get(token.text, _STRAY))
+        _fail(text, token, token, *_other(token.text))
     if token.text == "//":
         _fail(text, token, token, "// is not an operator", "write / for a division")
     if token.category == "name" and keyword.iskeyword(token.text):
@@ -181,7 +192,7 @@ def _separated(tokens: list[Token]) -> list[Token]:
     openers, marked = [], []
     for before, token in zip([tokens[0], *tokens], tokens, strict=False):
         if token.text in ("(", "["):
-            openers.append(token.text == "(" and (before.category == "table" or may_hold_commas(before.text)))
+            openers.append(token.text == "(" and (before.category == "called" or may_hold_commas(before.text)))
         elif token.text in (")", "]"):
             openers.pop()
         separates = token.text == "," and openers and openers[-1]
@@ -219,7 +230,7 @@ def _ends_operand(token: Token) -> bool:
 
 
 def _starts_operand(token: Token) -> bool:
-    return token.category in ("number", "name", "table") or token.text == "("
+    return token.category in ("number", "name", "called") or token.text == "("
 
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
@@ -237,11 +248,18 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     close = text.find("]", bracket.start)
     inside = text[bracket.stop : close].strip()
     if before.category != "name":
-        _fail(text, bracket, after, "[ ] stands after a name only", "write ( ) to group")
+        remedy = "write ( ) to group, and an end of time after each name in it: x[final]"
+        _fail(text, bracket, after, "[ ] stands after a name only", remedy)
+    if inside == DURATION and before.text.rpartition(".")[2] == "t":
+        return
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
+        if before.text != "t" and (end := end_meant(inside)):
+            _fail(text, before, last, "an end of time is called initial or final", f"write {end.format(before.text)}")
         if lack := at_another_time(before.text, inside):
             _fail(text, before, last, *lack)
+        if inside == DURATION:
+            _fail(text, before, last, "only the time has a duration: t[duration]", f"write {before.text}[final]")
         what = "[ ] only marks the value at an end of time, or the rate of an implicit state"
         _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
 
@@ -255,11 +273,25 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
     if before.text in FUNCTIONS:
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
+    if before.category == "number" and token.category == "name":
+        _check_number(text, before, token)
     tail = "(...)" if token.text == "(" else token.text
-    if token.category in ("name", "table") and after.text == "(":
+    if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
     _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
+
+
+def _check_number(text: str, number: Token, name: Token) -> None:
+    """A number that goes on in letters, as other languages write it, or that has a unit."""
+    if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
+        plain = (number.text + name.text).replace("_", "")
+        _fail(text, number, name, "there is no _ in a number", f"write {plain}")
+    if number.stop == name.start and (exponent := re.match(r"[dD]([-+]?\d+)", text[name.start :])):
+        last = Token("number", "", name.start, name.start + exponent.end())
+        _fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
+    if name.text in ("deg", "degs", "degree", "degrees"):
+        _fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
 
 
 def _check_call(text: str, name: Token, bracket: Token) -> None:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..problem import Function
 from .expression import Expression
 from .functions import is_inconsistent
-from .tree import External, Node, Operation, below, leaves
+from .tree import External, Lookup, Node, Operation, below, leaves, nodes
 
 
 class Form(NamedTuple):
@@ -27,11 +27,13 @@ class Form(NamedTuple):
     data: Mapping[str, float]
 
 
-def form_of(functions: Iterable[Function | None]) -> Form:
+def form_of(functions: Iterable[Function | None], values_only: bool = False) -> Form:
     """The form of functions, and the parameters in them that are data.
 
-    A function that is no expression is its own form, and one that may look up tables has none that another has. What is
-    one number here and another there is literal.
+    functions: of one phase, or of what is between phases.
+    values_only: whether no derivatives are taken, so that zeros and exponents may be data too.
+
+    A function that is no expression is its own form. What is one number here and another there is literal.
     """
     shapes: list[Any] = []
     numbers: dict[str, float] = {}
@@ -40,25 +42,24 @@ def form_of(functions: Iterable[Function | None]) -> Form:
         if not isinstance(function, Expression):
             shapes.append(function)
             continue
-        if function.tables:
-            shapes.append(object())
-            continue
         roots = [function.root, *(definition.root for definition, _ in function.steps.values())]
         shapes.append((function.root, *((key, d.root) for key, (d, _) in function.steps.items())))
+        looked_up = {node.table for root in roots for node in nodes(root) if isinstance(node, Lookup)}
+        shapes += [(name, function.tables[name].content) for name in sorted(looked_up)]
         for name in sorted(function.constants):
             value = function.parameters[name]
-            if numbers.setdefault(name, value) != value or not value:
+            if numbers.setdefault(name, value) != value or not (value or values_only):
                 literal.add(name)
                 shapes.append((name, value))
-        literal |= _literal(function, roots)
+        literal |= _literal(function, roots, values_only)
     data = {name: value for name, value in numbers.items() if name not in literal}
     fixed = tuple((name, numbers[name]) for name in sorted(literal & numbers.keys()))
     return Form((tuple(shapes), fixed, tuple(sorted(data))), data)
 
 
-def _literal(function: Expression, roots: Iterable[Node]) -> set[str]:
+def _literal(function: Expression, roots: Iterable[Node], values_only: bool) -> set[str]:
     """The names that must be numbers, and those in the definitions of such names."""
-    waiting = [name for root in roots for part in _constant_parts(root) for name in _names(part)]
+    waiting = [name for root in roots for part in _constant_parts(root, values_only) for name in _names(part)]
     found: set[str] = set()
     while waiting:
         name = waiting.pop()
@@ -73,16 +74,16 @@ def _names(root: Node) -> list[str]:
     return [leaf.name for leaf in leaves(root)]
 
 
-def _constant_parts(node: Node) -> Iterator[Node]:
+def _constant_parts(node: Node, values_only: bool) -> Iterator[Node]:
     """The largest parts of a tree whose parameters must be numbers."""
     match node:
         case External():
             yield node
         case Operation(symbol=symbol) if is_inconsistent(symbol):
             yield node
-        case Operation(symbol="**", operands=(base, exponent)):
+        case Operation(symbol="**", operands=(base, exponent)) if not values_only:
             yield exponent
-            yield from _constant_parts(base)
+            yield from _constant_parts(base, values_only)
         case _:
             for part in below(node):
-                yield from _constant_parts(part)
+                yield from _constant_parts(part, values_only)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..text import excerpt, shorten
 from .functions import FUNCTIONS, smooth_names
-from .slips import ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
+from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class Operation(Node):
 
 @dataclass(frozen=True, slots=True)
 class Lookup(Node):
-    """A table of data at its arguments."""
+    """A table of data at its arguments, or a function of the file, which `language.functions` writes out."""
 
     table: str
     operands: tuple[Node, ...]
@@ -81,15 +81,15 @@ class External(Node):
     operands: tuple[Name, ...]
 
 
-def parse_tree(text: str, tables: Collection[str] = ()) -> Node:
+def parse_tree(text: str, called: Collection[str] = ()) -> Node:
     """The tree of a tidy text.
 
     text: the expression.
-    tables: the names of the tables of data that it may look up.
+    called: the names of the tables of data and of the functions of the file.
 
     Raises ExpressionError: what is wrong, where in the text, and how to mend it.
     """
-    check_syntax(text, tables)
+    check_syntax(text, called)
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -197,13 +197,19 @@ def _leaf(tree: ast.expr, span: _Span) -> Node | None:
             return Number(*span, math.pi)
         case ast.Name() | ast.Attribute(value=ast.Name()):
             return Name(*span, _spelled(tree), None)
-        case ast.Subscript(value=ast.Name() | ast.Attribute(value=ast.Name()) as name, slice=ast.Name(id=end)) if (
-            end in ENDS
-        ):
-            return Name(*span, _spelled(name), end)
-        case ast.Subscript(value=ast.Name(id=name), slice=ast.Name(id=mark)) if mark == RATE:
-            return Name(*span, rate_of(name), None)
+        case ast.Subscript(value=ast.Name() | ast.Attribute(value=ast.Name()) as name, slice=ast.Name(id=mark)):
+            return _marked(name, mark, span)
     return None
+
+
+def _marked(name: ast.Name | ast.Attribute, mark: str, span: _Span) -> Node | None:
+    """A name with what stands in brackets behind it."""
+    if mark in ENDS:
+        return Name(*span, _spelled(name), mark)
+    if mark == DURATION:
+        first, last = (Name(*span, _spelled(name), end) for end in ENDS)
+        return Chain(*span, last, (Link(*span, "-", first),))
+    return Name(*span, rate_of(name.id), None) if mark == RATE and isinstance(name, ast.Name) else None
 
 
 def _spelled(tree: ast.Name | ast.Attribute) -> str:
@@ -217,7 +223,9 @@ def _spelled(tree: ast.Name | ast.Attribute) -> str:
 def _operation(tree: ast.expr, span: _Span, text: str, depth: int) -> Node | None:
     match tree:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
-            kind = Operation if name in FUNCTIONS else Lookup  # `check_syntax` lets no other name pass than of tables
+            kind = (
+                Operation if name in FUNCTIONS else Lookup
+            )  # `check_syntax` lets no other name pass than those of the file
             if kind is Operation:
                 _check_arguments(name, arguments, text, span)
             return kind(*span, name, tuple(_node(argument, text, depth) for argument in arguments))

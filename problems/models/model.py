@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -41,6 +42,33 @@ class Equations:
 
 
 @dataclass(frozen=True)
+class OfModel:
+    """A function of a model with numbers for its parameters, equal to another of the same numbers.
+
+    model: its name. group, name: which function of its equations. numbers: of the parameters.
+    """
+
+    model: str
+    group: str
+    name: str
+    numbers: tuple[tuple[str, float], ...]
+    function: Function = field(compare=False, repr=False)
+
+    def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
+        return self.function(values, functions)
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The numbers by name."""
+        return dict(self.numbers)
+
+    @property
+    def constants(self) -> frozenset[str]:
+        """The names of the parameters: as of `Expression.constants`."""
+        return frozenset(self.parameters)
+
+
+@dataclass(frozen=True)
 class Model:
     """A shipped model.
 
@@ -56,3 +84,18 @@ class Model:
     build: Callable[[Mapping[str, float]], Equations]
     algebraic: Mapping[str, Quantity] = field(default_factory=dict)
     pose: Callable[[Mapping[str, float], Mapping[str, float]], Mapping[str, np.ndarray]] | None = None
+
+    def equations(self, parameters: Mapping[str, float]) -> Equations:
+        """The equations with these parameters, whose functions are `OfModel`."""
+        built, numbers = self.build({name: float(value) for name, value in parameters.items()}), (*parameters.items(),)
+
+        def told(group: str, functions: Mapping[str, Function]) -> dict[str, Function]:
+            return {name: OfModel(self.name, group, name, numbers, own) for name, own in functions.items()}
+
+        def bounded(group: str) -> dict[str, tuple[Function, Range]]:
+            given: Mapping[str, tuple[Function, Range]] = getattr(built, group)
+            functions = told(group, {name: function for name, (function, _) in given.items()})
+            return {name: (functions[name], bounds) for name, (_, bounds) in given.items()}
+
+        plain = {group: told(group, getattr(built, group)) for group in ("rates", "residuals", "outputs")}
+        return Equations(**plain, path=bounded("path"), boundary=bounded("boundary"))

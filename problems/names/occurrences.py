@@ -17,11 +17,15 @@ from ..yaml.document import Path
 MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
-CONSTANT, TRAJECTORY, BOUNDARY = "constant", "trajectory", "boundary"
+CONSTANT, TRAJECTORY, BOUNDARY, GUESS = "constant", "trajectory", "boundary", "guess"
+
+SOLVED = frozenset({TRAJECTORY, BOUNDARY})
+"""Contexts of what the equations are made of; a guess is evaluated once, before them."""
 
 # Sections whose expressions are constants, but for the rates and accelerations among them.
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
 _DYNAMICS = ("rate", "accel")
+_OVER_TIME = ("formulas", "simulate")  # of a guess
 
 
 class Use(NamedTuple):
@@ -41,6 +45,7 @@ def uses(spec: Spec) -> Iterator[Use]:
     for name, named in spec.expressions.items():
         yield Use(("expressions", name), named.value, TRAJECTORY)
     yield from _dynamics(spec)
+    yield from _guessed(spec)
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
@@ -67,6 +72,12 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
+def _guessed(spec: Spec) -> Iterator[Use]:
+    for key in _OVER_TIME:
+        for name, expression in (getattr(spec.guess, key) or {}).items():
+            yield Use(("guess", key, name), expression, GUESS)
+
+
 def _constants(value: object, path: Path) -> Iterator[Use]:
     """The expressions below a path, but for the dynamics."""
     if isinstance(value, Expression):
@@ -79,7 +90,7 @@ def _constants(value: object, path: Path) -> Iterator[Use]:
             yield from _constants(item, (*path, key))
     elif isinstance(value, Entry):
         for key, item in value:
-            if key not in _DYNAMICS:
+            if key not in (*_DYNAMICS, *_OVER_TIME):
                 yield from _constants(item, (*path, key))
 
 

@@ -7,18 +7,20 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from ..expressions.expression import Expression, Fault
+from ..expressions.given import given
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
 from ..problem import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import nearest, shorten
-from ..yaml.document import Path
+from ..text import did_you_mean, shorten
+from ..wishes.names import name_wish
+from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, TRAJECTORY, Use, uses
+from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -35,11 +37,34 @@ TABLE = "table"
 VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT})
 
 
-def range_of(entry: Bounded, number: Callable[[Expression | None, float], float]) -> Range:
-    """The range of an entry; number: the value of an expression, or what it is given if there is none."""
-    value = getattr(entry, "value", None) or getattr(entry, "equals", None)
-    lower, upper = (value, value) if value else (entry.lower, entry.upper)
-    return Range(number(lower, -np.inf), number(upper, np.inf))
+Origin = Callable[[Path], Path]
+"""Path of a value in the spec of a phase -> where the file has it."""
+
+
+def range_of(
+    entry: Bounded,
+    bind: Callable[[Expression], Expression],
+    path: Path = (),
+    origin: Origin = tuple,
+    unit: str = "",
+) -> Range:
+    """The range of an entry.
+
+    entry: with lower and upper, and perhaps value or equals.
+    bind: gives an expression its numbers.
+    path: of the entry; () where it does not matter.
+    origin: where the file has it.
+    unit: of its numbers.
+    """
+
+    def end(key: str) -> float:
+        place = dotted(origin((*path, *([] if key == "value" else [key])))) if path else ""
+        return given(getattr(entry, key), bind, place, unit)
+
+    key = next((key for key in ("value", "equals") if getattr(entry, key, None)), None)
+    if key:
+        return Range(*[end(key)] * 2)
+    return Range(end("lower") if entry.lower else -np.inf, end("upper") if entry.upper else np.inf)
 
 
 class Symbols:
@@ -49,10 +74,12 @@ class Symbols:
     parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. equations:
     those of the model, None without one. definitions: the expressions that others may refer to, each after those that
     it refers to; `varying` are those that vary in time, `fixed` holds the numbers and the values of the expressions of
-    parameters alone. findings: mistakes met on the way; without them, all of these are complete.
+    parameters alone. findings: mistakes met on the way; without them, all of these are complete. origin: where the file
+    has what stands at a path of the spec.
     """
 
-    def __init__(self, spec: Spec):
+    def __init__(self, spec: Spec, origin: Origin = tuple):
+        self.origin = origin
         self.states, self.controls = variables.states(spec), variables.controls(spec)
         self.algebraic = variables.algebraic(spec)
         groups = {
@@ -80,6 +107,7 @@ class Symbols:
         self._outputs_unknown = False
         self.equations: Equations | None = None
         self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
+        self._units = {name: p.unit for name, p in spec.parameters.items()}
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
         self._build_model(spec)
         self._outputs_unknown = bool(spec.model) and self.equations is None
@@ -120,7 +148,7 @@ class Symbols:
         """The value of a tree of parameters alone, None for another."""
         if any(name.name not in self.fixed for name in leaves(root)):
             return None
-        return self._constant(Expression("", root))
+        return self._of_fixed(Expression("", root)).constant()
 
     def varies(self, name: str) -> bool:
         """Whether a name has a value at every time."""
@@ -135,15 +163,15 @@ class Symbols:
             for name in leaves(root)
         )
 
-    def range(self, entry: Bounded | None) -> Range:
-        """The range of an entry with lower and upper, and perhaps value or equals."""
-        return Range() if entry is None else range_of(entry, self.number)
+    def range(self, entry: Bounded | None, path: Path = (), unit: str = "") -> Range:
+        """The range of an entry; path, unit: as of `range_of`."""
+        return Range() if entry is None else range_of(entry, self.function, path, self.origin, unit)
 
     def fault(self, expression: Expression) -> Fault | None:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""
         if isinstance(expression.root, Number):
             return None
-        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).fault({})
+        return self._of_fixed(expression).fault({})
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
         return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
@@ -158,7 +186,7 @@ class Symbols:
             if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
-            trouble = self._trouble(name, use.context)
+            trouble = self._trouble(name, use.context, use.path)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
                 self._wrong.add(use.path)
@@ -167,18 +195,20 @@ class Symbols:
             self._wrong.add(use.path)
             self.findings += [Finding(use.path, *own) for own in wrong if own]
 
-    def _trouble(self, name: Name, context: str) -> tuple[str, str] | None:
+    def _trouble(self, name: Name, context: str, path: Path) -> tuple[str, str] | None:
         """What is wrong with a name in this context, and the remedy."""
         role, found = self.roles.get(name.name), None
         if role is None:
-            found = self._unknown(name.name, context)
+            found = self._unknown(name.name, context, path)
         elif role == TABLE:
             found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
         elif context == CONSTANT and role not in ("parameter", "unknown"):
             found = (
-                f"{name.name} is {_with_article(role)}, but this value must be known before the solution is",
+                f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
+        elif context == GUESS and name.end:
+            found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
         elif context == TRAJECTORY and name.end:
             found = (
                 f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
@@ -198,23 +228,25 @@ class Symbols:
             )
         return found
 
-    def _unknown(self, name: str, context: str) -> tuple[str, str]:
+    def _unknown(self, name: str, context: str, path: Path) -> tuple[str, str]:
         what = f'unknown name "{name}"'
         if name.endswith("]"):
             return self._no_rate(name.partition("[")[0])
+        varying = [n for n, role in self.roles.items() if role in VARYING]
+        if wish := name_wish(name, path, varying, [n for n in varying if self.roles[n] == STATE]):
+            return what, wish
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        if name == "e":
-            return what, "write exp(...) for a power of e"
+        return what, self._like(name, context) or _declared(name, context)
+
+    def _like(self, name: str, context: str) -> str:
+        """The question after the known name that is most like this one; "" where there is none."""
         if self._unknown_names >= MAX_SUGGESTIONS:
-            return what, "declare it"
+            return "declare it"
         self._unknown_names += 1
         known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
-        known = known[:MAX_KNOWN]
-        if close := nearest(name, [*known, "pi"]):
-            return what, f"did you mean {close}?"
-        return what, f"declare it, for example under parameters: as {name}: 1.0"
+        return did_you_mean(name, [*known[:MAX_KNOWN], "pi"])
 
     def _no_rate(self, name: str) -> tuple[str, str]:
         """What is wrong with name[rate], which is no implicit rate."""
@@ -228,7 +260,7 @@ class Symbols:
         model = find_model(spec.model) if spec.model else None
         if model is None or not model.parameters.keys() <= self.numbers.keys():
             return
-        self.equations = model.build({name: self.numbers[name] for name in model.parameters})
+        self.equations = model.equations({name: self.numbers[name] for name in model.parameters})
         names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
         for name, function in self.equations.outputs.items():
             self.roles[name] = OUTPUT
@@ -252,10 +284,11 @@ class Symbols:
             if fault := self.fault(values[name]):
                 self.findings.append(no_value(("parameters", name), fault))
             else:
-                self.numbers[name] = self.fixed[name] = self._constant(values[name])
+                path = dotted(self.origin(("parameters", name)))
+                self.numbers[name] = self.fixed[name] = given(values[name], self._of_fixed, path, self._units[name])
 
-    def _constant(self, expression: Expression) -> float:
-        return expression.bind(self._fixed_in(expression), {}, tables=self.tables).constant()
+    def _of_fixed(self, expression: Expression) -> Expression:
+        return expression.bind(self._fixed_in(expression), {}, tables=self.tables)
 
     def _collect_definitions(self, expressions: dict[str, Expression]) -> None:
         sizes: dict[str, int] = {}
@@ -276,10 +309,19 @@ class Symbols:
             if any(n in self.varying or self.roles[n] in VARYING for n in inner):
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
-                self.fixed[name] = self._constant(expression)
+                self.fixed[name] = given(expression, self._of_fixed)
 
 
-def _with_article(role: str) -> str:
+def _declared(name: str, context: str) -> str:
+    """How a name is declared that an expression uses."""
+    given = f"under parameters: as {name}: 1.0"
+    if context == CONSTANT:
+        return f"declare it, for example {given}"
+    return f"declare it: under controls: as {name}: {{}} if it is to be found, {given} if it is given"
+
+
+def with_article(role: str) -> str:
+    """ "a state", "an expression"."""
     return f"{'an' if role[0] in 'aeo' else 'a'} {role}"
 
 

@@ -20,7 +20,7 @@ from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
-from ..names.occurrences import BOUNDARY, CONSTANT, Use, constraint_names, uses
+from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names, uses
 from ..names.symbols import Symbols
 from ..problem import Range, Variable
 from ..schema.sections import Nonsmooth
@@ -71,7 +71,7 @@ def untreated(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The occurrences of abs, min and max in a file that does not say how they become consistent."""
     for path, expression, context in uses(spec):
         found = next(occurrences(expression.root, symbols), None)
-        if found is not None and context != CONSTANT and spec.nonsmooth is None:
+        if found is not None and context in SOLVED and spec.nonsmooth is None:
             where = excerpt(expression.text, found.start, found.stop)
             yield Finding(path, f"{where}: {found.symbol} {_JUMPS}", _CHOICE)
 
@@ -108,7 +108,7 @@ class _Smooth:
     def run(self) -> Consistent:
         definitions = {name: self.definition(name, e) for name, e in self.symbols.definitions.items()}
         for use in uses(self.spec):
-            if use.context != CONSTANT and use.path[0] != "expressions":
+            if use.context in SOLVED and use.path[0] != "expressions":
                 self.found.expressions[use.path] = self.expression(use)
         self.found.definitions = definitions
         return self.found
@@ -251,7 +251,7 @@ class _Slack(_Smooth):
                 spread(inner, product_of_signs(signs, slope))
 
         for use in uses(self.spec):
-            if use.context not in (CONSTANT, BOUNDARY) and use.path[0] != "expressions":
+            if use.context == TRAJECTORY and use.path[0] != "expressions":
                 spread(use.expression.root, self._wanted_of(use))
         # from the last: what refers to a definition comes after it, so that its own signs are complete by then
         for name in reversed(self.symbols.definitions):

@@ -30,18 +30,19 @@ class Between:
     def __init__(self, phases: Mapping[str, Symbols], shared: Symbols):
         self.phases, self.shared = phases, shared
         self.numbers = dict(shared.numbers)
+        self.static = shared.static.union(*(symbols.static for symbols in phases.values()))
         self.definitions: dict[str, Expression] = {}
         for phase, symbols in phases.items():
             self.numbers |= {f"{phase}.{name}": value for name, value in symbols.numbers.items()}
             for name, definition in symbols.definitions.items():
-                prefixed = _prefixed(definition.root, phase, shared.static)
+                prefixed = _prefixed(definition.root, phase, self.static)
                 self.definitions[f"{phase}.{name}"] = replace(definition, root=prefixed)
 
     def function(self, expression: Expression) -> Expression:
         """The expression, without mistakes, as a `problem.Function` of the values at the ends of all phases."""
         root = _renamed(expression.root, self._resolved)
         shared = self.shared
-        return replace(expression, root=root).bind(self.numbers, self.definitions, shared.static, shared.tables)
+        return replace(expression, root=root).bind(self.numbers, self.definitions, self.static, shared.tables)
 
     def findings(self, path: Path, expression: Expression, constant: bool = False) -> Iterator[Finding]:
         """Every mistake in the names of an expression.
@@ -63,9 +64,9 @@ class Between:
         """Whether an expression that should be a constant has mistakes."""
         return any(self.findings((), constant, constant=True))
 
-    def range(self, entry: Bounded) -> Range:
-        """The range of the bounds of a link, or of a boundary constraint of the top level."""
-        return range_of(entry, lambda end, default: default if end is None else self.function(end).constant())
+    def range(self, entry: Bounded, path: Path = ()) -> Range:
+        """The range of the bounds of a link, or of a boundary constraint of the top level, at a path of the file."""
+        return range_of(entry, self.function, path)
 
     def _trouble(self, name: Name, constant: bool) -> tuple[str, str] | None:
         """What is wrong with a name, and the remedy."""

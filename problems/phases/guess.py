@@ -6,16 +6,17 @@ each known value to the next; known are the values that are asked for at the end
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from ..guess import keyframe_positions, middle
+from ..guess import middle
+from ..guesses.rows import Row, Span, combined, rows_of
 from ..names.symbols import Symbols
-from ..problem import Guess, Phase, Range
+from ..problem import Phase, Range
 from ..schema.spec import Spec
 from .order import Passage, goes_on_in_time, passages
 
@@ -25,7 +26,7 @@ def through_phases(
 ) -> list[Phase]:
     """The phases, guesses of what goes on through them made one, where phases give none of their own.
 
-    spec: of the file.
+    spec: of the file, its functions written out.
     own: the spec of each phase.
     symbols: of each phase.
     phases: with the guess that each would have by itself.
@@ -33,9 +34,9 @@ def through_phases(
     if len(phases) == 1:
         return list(phases)
     by_name = {phase.name: phase for phase in phases}
-    guessed = {name: {*entry.guess.constants, *entry.guess.keyframes} for name, entry in own.items()}
+    guessed = {name: entry.guess.named.keys() for name, entry in own.items()}
     ways = [passage for passage in passages(spec) if goes_on_in_time(spec, passage)]
-    framed = spec.guess.keyframes.keys() - {"time"}
+    framed = shared_names(spec)
     for phase in phases:
         for state in phase.states:
             chain = [by_name[link] for link in _chain(state.name, phase.name, by_name, ways)]
@@ -44,10 +45,16 @@ def through_phases(
                 for name, ends in _curves(state.name, chain, symbols, known):
                     if state.name not in guessed[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
-    first = next(iter(symbols.values()))
-    frames = {name: np.array([first.number(v, 0.0) for v in row]) for name, row in spec.guess.keyframes.items()}
-    whole = phases[0].guess.initial_time, phases[-1].guess.final_time
-    return [_with_part(phase, frames, whole, guessed[phase.name]) for phase in by_name.values()]
+    first, last = phases[0], phases[-1]
+    fixed = first.initial_time.fixed and last.final_time.fixed
+    whole = Span(first.guess.initial_time, last.guess.final_time, fixed)
+    rows = rows_of(spec.guess, next(iter(symbols.values())).number, whole)
+    return [_with_part(phase, rows, whole, guessed[phase.name]) for phase in by_name.values()]
+
+
+def shared_names(spec: Spec) -> frozenset[str]:
+    """The names that the guess of the whole trajectory gives: its keyframes and its data."""
+    return frozenset({*spec.guess.keyframes, *spec.guess.data} - {"time"})
 
 
 def _chain(state: str, first: str, phases: Mapping[str, Phase], ways: Sequence[Passage]) -> list[str]:
@@ -113,16 +120,16 @@ def _with_line(phase: Phase, name: str, ends: tuple[float, float]) -> Phase:
     return replace(phase, guess=replace(phase.guess, values={**phase.guess.values, name: line}))
 
 
-def _with_part(phase: Phase, frames: Mapping[str, np.ndarray], whole: tuple[float, float], guessed: set[str]) -> Phase:
-    """The phase with its part of the keyframes of the whole trajectory."""
-    own = {variable.name for variable in (*phase.states, *phase.inputs)} - guessed
-    wanted = {name: row for name, row in frames.items() if name in own}
-    if not wanted:
-        return phase
+def _with_part(phase: Phase, rows: Mapping[str, Row], whole: Span, guessed: Container[str]) -> Phase:
+    """The phase with its part of the rows of the whole trajectory."""
     guess = phase.guess
-    times = whole[0] + keyframe_positions(frames) * (whole[1] - whole[0])
-    s = (times - guess.initial_time) / (guess.final_time - guess.initial_time)
-    places = np.union1d(guess.s, s[(s > 0) & (s < 1)])
-    values = Guess(0.0, 1.0, guess.s, guess.values).samples(places)
-    values |= {name: np.interp(places, s, row) for name, row in wanted.items()}
-    return replace(phase, guess=replace(guess, s=places, values=values))
+    own = [variable.name for variable in (*phase.states, *phase.inputs) if variable.name not in guessed]
+    duration = guess.final_time - guess.initial_time
+    if duration <= 0:
+        return phase
+    known = {name: Row(guess.s, values) for name, values in guess.values.items()}
+    for name in set(own) & rows.keys():
+        times = whole.initial + rows[name].s * (whole.final - whole.initial)
+        known[name] = Row((times - guess.initial_time) / duration, rows[name].values)
+    s, values = combined(known, guess.s)
+    return replace(phase, guess=replace(guess, s=s, values=values))

@@ -25,18 +25,19 @@ def links_of(
 ) -> tuple[tuple[Constraint, ...], Function | None]:
     """The constraints between phases, and the terminal objective of the top level.
 
-    spec: of the file, without mistakes.
+    spec: of the file, without mistakes, its functions written out.
     phases: all of them, in order.
     symbols: of each phase.
     """
     between = Between(symbols, Symbols(spec))
     links = [*_passages(spec, {phase.name: phase for phase in phases})]
     names = link_names(spec)
-    for (_, link), name in zip(expression_links(spec), names, strict=True):
+    for (number, link), name in zip(expression_links(spec), names, strict=True):
         assert link.expression is not None  # as it is one of these
-        links.append(Constraint(name, between.function(link.expression), between.range(link)))
-    for constraint, name in zip(spec.constraints.boundary, boundary_names(spec), strict=True):
-        links.append(Constraint(name, between.function(constraint.expression), between.range(constraint)))
+        links.append(Constraint(name, between.function(link.expression), between.range(link, ("links", number))))
+    for i, (constraint, name) in enumerate(zip(spec.constraints.boundary, boundary_names(spec), strict=True)):
+        bounds = between.range(constraint, ("constraints", "boundary", i))
+        links.append(Constraint(name, between.function(constraint.expression), bounds))
     terminal = spec.objective.terms.terminal
     return tuple(links), None if terminal is None else between.function(terminal)
 

@@ -11,7 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
-from ..expressions.expression import Expression, parse
+from ..expressions.expression import Expression
+from ..expressions.signature import signature
+from ..expressions.tree import Chain, Link, Number
+from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.fields import Entry
 from ..schema.phases import PhaseEntry
@@ -27,6 +30,12 @@ _NAMED = ("parameters", "expressions", "states", "controls", "algebraic")
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
+    own = phases_as_written(spec)
+    return {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
+
+
+def phases_as_written(spec: Spec) -> dict[str, Spec]:
+    """The same with the functions of the file, and calls of them."""
     entries = own_entries(spec)
     if not entries:
         return {ALONE: spec}
@@ -48,7 +57,7 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
 
     spec: of the file.
     phase: name of the phase.
-    path: of the value in `phase_specs(spec)[phase]`.
+    path: of the value in `phases_as_written(spec)[phase]`.
     """
     own = own_entries(spec).get(phase)
     if own is None or not path:
@@ -139,7 +148,7 @@ def _merged(
             "constraints": constraints,
             "objective": _objective(spec.objective, own.objective),
             "residuals": spec.residuals if own.residuals is None else own.residuals,
-            "guess": own.guess or GuessEntry(constants=spec.guess.constants),
+            "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
             "phases": {},
             "links": [],
@@ -154,7 +163,10 @@ AnEnded = TypeVar("AnEnded", StateEntry, Velocity)
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """Both, by name: of one name the own keys over the shared ones; numbers and expressions replace each other."""
-    both = dict(shared)
+    functions = {called.name for called in map(signature, own) if called}
+    both = {
+        name: entry for name, entry in shared.items() if not (called := signature(name)) or called.name not in functions
+    }
     for name, entry in own.items():
         before = both.get(name)
         declared = isinstance(entry, Entry) and before is not None and "value" not in type(entry).model_fields
@@ -188,6 +200,11 @@ def _objective(shared: Objective, own: Objective | None) -> Objective:
     terms = Terms.model_construct(integral=integral, terminal=own.terms.terminal if own else None)
     maximize = shared.sense == "maximize"
     return Objective.model_construct(minimize=None if maximize else terms, maximize=terms if maximize else None)
+
+
+def _at_all_times(guess: GuessEntry) -> GuessEntry:
+    """What the guess of the top level says of every phase; its keyframes and data are about the whole trajectory."""
+    return GuessEntry(constants=guess.constants, formulas=guess.formulas, simulate=guess.simulate)
 
 
 def _time(spec: Spec, entries: Mapping[str, PhaseEntry], name: str, previous: Spec | None, last: bool) -> Time:
@@ -225,7 +242,10 @@ def _between(a: Expression, b: Expression, share: float) -> Expression:
     """a + (b - a) share."""
     if "?" in (a.text, b.text):  # one of them is mistaken
         return a
-    return parse(f"({a.text}) + (({b.text}) - ({a.text}))*{share!r}")
+    text = f"({a.text}) + (({b.text}) - ({a.text}))*{share!r}"
+    span = 0, len(text)
+    width = Chain(*span, b.root, (Link(*span, "-", a.root), Link(*span, "*", Number(*span, share))))
+    return Expression(text, Chain(*span, a.root, (Link(*span, "+", width),)))
 
 
 def _padded(mesh: list[MeshEntry], length: int) -> list[MeshEntry]:

@@ -67,6 +67,12 @@ def forward(spec: Spec) -> dict[str, str]:
     return {own.target: own.source for own in reversed(passages(spec)) if _forward(names, own)}
 
 
+def with_left_out(spec: Spec) -> dict[str, tuple[str, frozenset[str]]]:
+    """Phase -> the phase before it, and the states that do not go on, where it goes on from one."""
+    before = forward(spec)
+    return {own.target: (own.source, own.left_out) for own in passages(spec) if before.get(own.target) == own.source}
+
+
 def goes_on_in_time(spec: Spec, own: Passage) -> bool:
     """Whether the time goes on too: not where a circle closes."""
     return TIME not in own.left_out and _forward(list(own_entries(spec)), own)

@@ -36,8 +36,8 @@ TAG = "[a-z0-9]+(-[a-z0-9]+)*"
 STORED = "stored"
 """Key of the context of validation that says: from a result, so checked when it was solved."""
 
-TABLES = "tables"
-"""Key of the context of validation that holds the names of the tables of data, which expressions may look up."""
+CALLED = "called"
+"""Key of the context of validation that holds the names with arguments: tables of data, functions of the file."""
 
 _BREAKS = "\t\n\r"  # in the notes of a file
 
@@ -71,7 +71,7 @@ def _formula(value: Any, info: ValidationInfo) -> Expression:
             f"this must be a number or an expression, not {in_words(value)}", "write for example 0.5 or 2*pi*f"
         )
     try:
-        return parse(value if isinstance(value, str) else repr(value), (info.context or {}).get(TABLES, frozenset()))
+        return parse(value if isinstance(value, str) else repr(value), (info.context or {}).get(CALLED, frozenset()))
     except ExpressionError as error:
         raise mistake(error.what, error.remedy) from error
 

@@ -8,7 +8,9 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from ..text import brief, did_you_mean, nearest
+from ..text import brief, did_you_mean
+from ..wishes.keys import key_wish, meant
+from ..wishes.values import value_wish
 from ..yaml.document import Path, in_words
 from ..yaml.locations import MAX_FINDINGS, Finding, Locations
 from .spec import Spec
@@ -53,14 +55,18 @@ EXAMPLES = {
 }
 
 
+_STRUCTURES = {"model_type": "a mapping", "dict_type": "a mapping", "list_type": "a list"}
+"""What pydantic calls the wrong type of what has something below it -> what it should be."""
+
+
 def findings(error: ValidationError, locations: Locations) -> list[Finding]:
     """One finding for each error, at the longest part of its path that stands in the file."""
     # one more than will be shown
     errors = error.errors(include_url=False)[: MAX_FINDINGS + 1]
     extra = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
     # a key that is only misspelt is not missing as well
-    meant = {(*path[:-1], close) for path in extra if (close := nearest(path[-1], _keys(path[:-1])))}
-    return [_finding(e, locations) for e in errors if e["type"] != "missing" or e["loc"] not in meant]
+    there = {(*path[:-1], key) for path in extra if (key := meant(path, _keys(path[:-1])))}
+    return [_finding(e, locations) for e in errors if e["type"] != "missing" or e["loc"] not in there]
 
 
 def _finding(error: ErrorDetails, locations: Locations) -> Finding:
@@ -76,16 +82,22 @@ def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
     """What is wrong and how to mend it, in our words for every type of error that pydantic knows."""
     given, context = in_words(error.get("input")), error.get("ctx", {})
     key, written = brief(path[-1]) if path else "", how_written(path)
+    if error["type"] not in ("missing", "extra_forbidden") and (wish := value_wish(path, error.get("input"))):
+        kind = _STRUCTURES.get(error["type"])
+        return (f"this must be {kind}, not {given}" if kind else wish[0]), wish[1]
     if error["type"] == "mistake":
         return context["what"], context["remedy"]
     if error["type"] == "missing" and path == ("trajopt",):
         return "the version of the file format is missing", "write trajopt: 1 at the top"
     if error["type"] == "extra_forbidden":
+        if (wanted := key_wish(path, error.get("input"))) and wanted.key in ("", *_keys(path[:-1])):
+            return f'unknown key "{key}"' + (f": {wanted.what}" if wanted.what else ""), f"write {wanted.line}"
         return f'unknown key "{key}"', _other_key(path)
     words = {
         "missing": (f"{key} is missing", f"add {written}"),
-        "model_type": (f"this must be a mapping, not {given}", f"write {written}"),
-        "dict_type": (f"this must be a mapping, not {given}", f"write {written}"),
+        **dict.fromkeys(
+            _STRUCTURES, (f"this must be {_STRUCTURES.get(error['type'])}, not {given}", f"write {written}")
+        ),
         "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {written}'),
         "bool_type": (f"this must be true or false, not {given}", "write true or false"),
         "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),

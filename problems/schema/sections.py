@@ -8,9 +8,11 @@ from pydantic import Field, GetJsonSchemaHandler, SerializerFunctionWrapHandler,
 
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK, SQRT, TANH
-from ..text import brief
+from ..tables.series import TIME
+from ..text import brief, did_you_mean
 from .declarations import LOWER, UPPER
 from .fields import Entry, Formula, Text, Widths, either_form, mistake
+from .series import Columns
 
 MAX_NAMES = 1000  # in one section
 MAX_KEYFRAMES = 10_000
@@ -80,25 +82,54 @@ class Constraints(Entry):
 
 
 class GuessEntry(Entry):
-    """Where the solver starts: `linear`, or constants and keyframes for some names and linear for the others."""
+    """Where the solver starts: `linear`, or what is given for some names, and linear for the others."""
 
     constants: dict[str, Formula] = Field({}, description="state, control or algebraic variable -> value at every time")
+    formulas: dict[str, Formula] = Field(
+        {}, description="state, control or algebraic variable -> expression of t and parameters"
+    )
     keyframes: dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]] = Field(
         {},
         description="state, control or algebraic variable -> values; "
         "time -> their times (optional, first is initial, last is final)",
     )
+    file: Text | None = Field(
+        None, description="CSV file in the folder of this file: a column time, and columns named as states, controls"
+    )
+    data: Columns = Field({}, description="the same columns here: {time: [0, 0.5, 1], x: [0, 0.2, 1]}")
+    source: Text = Field("", description="where data: come from")
+    simulate: dict[str, Formula] | None = Field(
+        None,
+        description="integrate the dynamics forward from the initial values: control -> expression of t and states; "
+        "{} where controls are as guessed",
+    )
 
     @classmethod
     def _unfold(cls, data: Any) -> Any:
-        if isinstance(data, str) and data != "linear":
-            remedy = "write linear, {constants: ...} or {keyframes: ...}"
-            raise mistake(f'"{brief(data)}" is not a kind of guess', remedy)
-        return {} if isinstance(data, str) else data
+        if isinstance(data, str) and data not in _WORDS:
+            forms = "write linear, simulate, or {constants: ...}, {formulas: ...}, {keyframes: ...}, {file: ...}"
+            raise mistake(f'"{brief(data)}" is not a kind of guess', did_you_mean(data, _WORDS, forms))
+        return _WORDS[data] if isinstance(data, str) else data
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if self.file is not None and self.data:
+            raise mistake("file and data are both given", "keep one of them")
+        return self
+
+    @property
+    def named(self) -> dict[str, str]:
+        """Name of each variable that is given -> the key under which it is, the last if there are several."""
+        groups = {key: getattr(self, key) for key in ("constants", "formulas", "keyframes", "data")}
+        return {name: key for key, group in groups.items() for name in group if name != TIME or key in _WITHOUT_TIME}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return either_form({"const": "linear"}, core_schema, handler)
+        return either_form({"enum": list(_WORDS)}, core_schema, handler)
+
+
+_WORDS: dict[str, dict[str, Any]] = {"linear": {}, "simulate": {"simulate": {}}}
+_WITHOUT_TIME = ("constants", "formulas")
 
 
 class Nonsmooth(Entry):

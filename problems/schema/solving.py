@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
 from ..text import brief, did_you_mean
+from ..wishes.values import method_meant
 from ..yaml.document import in_words
 from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
@@ -93,7 +94,8 @@ class MeshEntry(Entry):
     def _known_method(cls, value: str, info: ValidationInfo) -> str:
         methods = (info.context or {}).get("methods", ())
         if methods and value not in methods:
-            remedy = did_you_mean(value, methods, "write one of " + ", ".join(methods))
+            meant = method_meant(value, methods)
+            remedy = f"write {meant}" if meant else did_you_mean(value, methods, "write one of " + ", ".join(methods))
             raise mistake(f'there is no method "{brief(value)}"', remedy)
         return value
 

@@ -7,7 +7,7 @@ here is a mistake. A value that may be computed is a `Formula`: a number or an e
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 from pydantic.json_schema import GenerateJsonSchema
@@ -55,6 +55,10 @@ class Spec(Entry):
         [],
         max_length=MAX_TAGS,
         description="words such as minimum-time: what kind of problem it is; `trajopt list --tag` looks for them",
+    )
+    units: Literal["on", "off"] = Field(
+        "on",
+        description="on (default): `trajopt check` looks whether the units of all expressions fit; off: it does not",
     )
     parameters: dict[str, Parameter] = Field(
         {}, max_length=MAX_NAMES, description="name -> number, expression, or {value, unit, note}"

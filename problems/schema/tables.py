@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, PlainValidator, WithJsonSchema
 
+from ..expressions.signature import function_names
 from ..tables.choices import ERROR, LINEAR, MAX_ARGUMENTS, MAX_VALUES, MONOTONE, WAYS
 from ..text import brief, did_you_mean
 from ..yaml.document import Path, in_words
@@ -221,7 +222,8 @@ class TableEntry(Entry):
         return fitted("", self.axes, self.values, self.kind, outside, smooth)
 
 
-def table_names(data: Any) -> frozenset[str]:
-    """The names of the tables in the data of a problem file, mistaken ones too."""
+def called_names(data: Any) -> frozenset[str]:
+    """The names of the tables and of the functions in the data of a problem file, mistaken ones too."""
     tables = data.get("tables") if isinstance(data, dict) else None
-    return frozenset(name for name in tables if isinstance(name, str)) if isinstance(tables, dict) else frozenset()
+    names = (name for name in tables if isinstance(name, str)) if isinstance(tables, dict) else ()
+    return function_names(data).union(names)

@@ -1,28 +1,37 @@
-"""The tables of a problem file that stand in CSV files beside it, put into its data."""
+"""The data of a problem file that stand in CSV files beside it, put into its own: tables, and guesses over time."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from ..text import brief
+from ..wishes.values import result_as_guess
+from ..yaml.document import Path as Place
 from ..yaml.locations import Finding
-from .csv_file import TableFileError, Trouble, read_table
+from .columns import ColumnsError, Trouble
+from .csv_file import read_table
+from .series import read_series
 
 NO_FOLDER = Trouble("a text has no folder that the file could be in", "write the table here, as points: and values:")
+NO_FOLDER_OF_SERIES = NO_FOLDER._replace(remedy="write the columns here, as data: {time: [0, 1], x: [0, 1]}")
 OF_FILE = ("file", "arguments", "value")
 """Keys that say where a table is; `points`, `values` and `source` take their place."""
 
 
 def read_files(data: dict[str, Any], folder: Path | None) -> list[Finding]:
-    """Every mistake in the CSV files that the tables of a problem file name; those without any are put in their place.
+    """Every mistake in the CSV files that a problem file names; what stands in those without any is put in their place.
 
-    data: of the problem file, changed in place: a table whose file is mistaken is taken out.
+    data: of the problem file, changed in place: what is in a mistaken file is taken out.
     folder: that of the problem file; None if it is a text.
 
     What a problem then holds is all that its solution needs, also when the CSV file is gone.
     """
-    findings: list[Finding] = []
+    return [*_tables(data, folder), *_guesses(data, folder)]
+
+
+def _tables(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
     given = data.get("tables")
     tables: dict[str, Any] = given if isinstance(given, dict) else {}
     for name, entry in list(tables.items()):
@@ -30,15 +39,14 @@ def read_files(data: dict[str, Any], folder: Path | None) -> list[Finding]:
             continue
         try:
             if folder is None:
-                raise TableFileError([NO_FOLDER])
+                raise ColumnsError([NO_FOLDER])
             grid = read_table(folder, entry["file"], entry.get("arguments"), entry.get("value"))
-        except TableFileError as error:
-            findings += [Finding(("tables", name, "file"), what, remedy) for what, remedy in error.troubles]
+        except ColumnsError as error:
+            yield from (Finding(("tables", name, "file"), what, remedy) for what, remedy in error.troubles)
             del tables[name]
             continue
         rest = {key: value for key, value in entry.items() if key not in OF_FILE}
         tables[name] = {"points": dict(grid.points), "values": grid.values, "source": brief(entry["file"]), **rest}
-    return findings
 
 
 def _is_read(entry: dict[str, Any]) -> bool:
@@ -47,3 +55,30 @@ def _is_read(entry: dict[str, Any]) -> bool:
     named = arguments is None or (isinstance(arguments, list) and all(isinstance(name, str) for name in arguments))
     of_file = isinstance(entry.get("file"), str) and named and (value is None or isinstance(value, str))
     return of_file and entry.get("points") is None and entry.get("values") is None
+
+
+def _guesses(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
+    for place, entry in _places(data, "guess"):
+        file = entry.get("file")
+        if not isinstance(file, str) or entry.get("data") is not None:
+            continue
+        del entry["file"]
+        if of_result := result_as_guess(file):
+            yield Finding((*place, "file"), *of_result)
+            continue
+        try:
+            if folder is None:
+                raise ColumnsError([NO_FOLDER_OF_SERIES])
+            entry |= {"data": read_series(folder, file), "source": brief(file)}
+        except ColumnsError as error:
+            yield from (Finding((*place, "file"), what, remedy) for what, remedy in error.troubles)
+
+
+def _places(data: dict[str, Any], key: str) -> Iterator[tuple[Place, dict[str, Any]]]:
+    """The mappings of that key at the top level and in phases, each with its place."""
+    phases = data.get("phases")
+    owners: list[tuple[Place, Any]] = [((), data)]
+    owners += [(("phases", name), own) for name, own in (phases.items() if isinstance(phases, dict) else ())]
+    for place, owner in owners:
+        if isinstance(owner, dict) and isinstance(entry := owner.get(key), dict):
+            yield (*place, key), entry

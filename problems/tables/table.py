@@ -7,9 +7,9 @@ smoothed `linear` have two continuous derivatives, as a function of a problem mu
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -48,6 +48,12 @@ class Table:
     name: str
     axes: tuple[Axis, ...]
     rows: Array = field(repr=False)
+
+    @cached_property
+    def content(self) -> Hashable:
+        """Equal for tables that are the same function."""
+        axes = ((own.points, own.outside, own.inner.tobytes()) for own in self.axes)
+        return (*axes, self.rows.tobytes())
 
     @property
     def called(self) -> str:

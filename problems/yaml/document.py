@@ -16,12 +16,14 @@ from typing import Any, NoReturn
 import yaml
 
 from ..errors import Mistake, SpecError
-from ..text import brief
+from ..text import brief, named
+from .punctuation import slips_of, strange, torn
 
 MAX_BYTES = 1_000_000
 MAX_LEVELS = 20
 MAX_NODES = 300_000
 MAX_ALIASES = 100
+MAX_TORN = 50  # pieces of one value in braces
 
 Path = tuple[str | int, ...]
 
@@ -58,10 +60,14 @@ _REMEDIES = (
 
 @dataclass
 class Document:
-    """data: the file as dicts, lists, strings, numbers, bools and None. lines: path of a key or an item -> its line."""
+    """data: the file as dicts, lists, strings, numbers, bools and None. lines: path of a key or an item -> its line.
+
+    blocks: path of a text that goes on below its key -> its lines, each with its number.
+    """
 
     data: dict[str, Any]
     lines: dict[Path, int] = field(default_factory=dict)
+    blocks: dict[Path, list[tuple[int, str]]] = field(default_factory=dict)
 
 
 def decode(content: bytes, file: str) -> str:
@@ -82,16 +88,18 @@ def decode(content: bytes, file: str) -> str:
 
 def read_document(text: str, file: str) -> Document:
     """The one mapping that the text holds. Raises SpecError; `file` is the name used in its messages."""
-    data, lines = _compose(text, file)
+    data, composer = _compose(text, file)
     if data is None:
         raise SpecError(Mistake(file, "the file is empty", "start from an example: trajopt init NAME"))
     if not isinstance(data, dict):
         what = f"the file holds {in_words(data)}, not a mapping"
         raise SpecError(Mistake(f"{file}:1", what, "write keys such as name: and states: at its left margin"))
-    return Document(data, lines)
+    written = text.splitlines()
+    blocks = {path: [(n + 1, written[n]) for n in lines if n < len(written)] for path, lines in composer.blocks.items()}
+    return Document(data, composer.lines, blocks)
 
 
-def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
+def _compose(text: str, file: str) -> tuple[Any, _Composer]:
     composer = _Composer(_told(yaml.parse(text, Loader=_LOADER)), file)
     try:
         data = composer.document()
@@ -99,7 +107,7 @@ def _compose(text: str, file: str) -> tuple[Any, dict[Path, int]]:
         raise SpecError([*composer.mistakes, _explain(error, text, file, composer.line)]) from error
     if composer.mistakes:
         raise SpecError(composer.mistakes)
-    return data, composer.lines
+    return data, composer
 
 
 def _told(events: Iterator[yaml.Event]) -> Iterator[yaml.Event]:
@@ -159,11 +167,10 @@ def _explain(error: yaml.YAMLError, text: str, file: str, line_before: int) -> M
         return Mistake(f"{file}:{line_before}", what, "look at this line and the one after it")
     if "maximum nesting depth" in problem:  # libyaml 0.2.6 reads ahead, and stops itself at some 1000 levels
         return Mistake(f"{file}:{mark.line + 1}", *_TOO_DEEP)
-    line = lines[mark.line] if mark.line < len(lines) else ""
-    if "\t" in line[: len(line) - len(line.lstrip())]:
-        problem, remedy = "a tab in the indentation", "indent with spaces, not with tabs"
-    else:
-        remedy = next((r for phrase, r in _REMEDIES if phrase in problem), "look at this line and the one above it")
+    if slip := next(slips_of(problem, mark, lines), None):
+        number, what, remedy = slip
+        return Mistake(f"{file}:{number + 1}", f"this is not YAML ({what})", remedy)
+    remedy = next((r for phrase, r in _REMEDIES if phrase in problem), "look at this line and the one above it")
     start = getattr(error, "context_mark", None) or mark
     inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
     return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
@@ -180,6 +187,7 @@ class _Composer:
     def __init__(self, events: Iterator[yaml.Event], file: str):
         self.events, self.file = events, file
         self.lines: dict[Path, int] = {}
+        self.blocks: dict[Path, range] = {}
         self.mistakes: list[Mistake] = []
         self.anchors: dict[str, tuple[Any, int]] = {}
         self.nodes = self.aliases = 0
@@ -203,10 +211,12 @@ class _Composer:
         before = self.nodes
         if isinstance(event, yaml.ScalarEvent):
             value = scalar(event.value) if event.implicit[0] else event.value
+            if isinstance(value, str) and event.end_mark and event.end_mark.line >= self.lines.get(path, self.line):
+                self.blocks[path] = range(_line(event) - 1, event.end_mark.line + 1)
         elif isinstance(event, yaml.SequenceStartEvent):
             value = self.sequence(path)
         else:
-            value = self.mapping(path)
+            value = self.mapping(path, in_braces=bool(getattr(event, "flow_style", False)))
         if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
             self.anchors[event.anchor] = value, self.nodes - before + 1
         return value
@@ -219,21 +229,43 @@ class _Composer:
             items.append(self.node(event, here))
         return items
 
-    def mapping(self, path: Path) -> dict[str, Any]:
-        entries: dict[str, Any] = {}
+    def mapping(self, path: Path, in_braces: bool) -> dict[str, Any]:
+        found: list[tuple[str, int, Any]] = []
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent):
                 self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
             self.check_event(event, path)
             here = (*path, event.value)
             line = _line(event)
-            if event.value in entries:
+            if character := strange(event.value):
+                what = f"the key holds a character that is no plain space, {named(character)}"
+                self.mistakes.append(Mistake(f"{self.file}:{line}", what, "write plain spaces in its place"))
+            self.lines.setdefault(here, line)
+            found.append((event.value, line, self.node(next(self.events), here)))
+        return self.entries(self.whole(found, path) if in_braces else found, path)
+
+    def whole(self, found: list[tuple[str, int, Any]], path: Path) -> list[tuple[str, int, Any]]:
+        """The entries of braces, with those in one that a comma has torn; such a comma is a mistake."""
+        rest, kept = found, []
+        while rest:
+            (key, line, value), *rest = rest
+            if slip := torn(key, value, [(other, empty is None) for other, _, empty in rest[:MAX_TORN]]):
+                (what, remedy, value), used = slip
+                self.mistakes.append(Mistake(f"{self.file}:{line}: {dotted((*path, key))}", what, remedy))
+                rest = rest[used:]
+            kept.append((key, line, value))
+        return kept
+
+    def entries(self, found: list[tuple[str, int, Any]], path: Path) -> dict[str, Any]:
+        """The mapping, each key once; a second one is a mistake."""
+        entries: dict[str, Any] = {}
+        for key, line, value in found:
+            if key in entries:
+                here = (*path, key)
                 what = f"the key is given twice, first on line {self.lines[here]}"
                 self.mistakes.append(Mistake(f"{self.file}:{line}: {dotted(here)}", what, "remove one of them"))
-                self.node(next(self.events), here)
                 continue
-            self.lines[here] = line
-            entries[event.value] = self.node(next(self.events), here)
+            entries[key] = value
         return entries
 
     def alias(self, event: yaml.AliasEvent) -> Any:

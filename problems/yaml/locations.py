@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -22,16 +23,20 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class Locations:
-    """Where each path was given: lines in the file, or an override (path -> its text on the command line)."""
+    """Where each path was given: lines in the file, or an override (path -> its text on the command line).
+
+    blocks: path of a text that goes on below its key -> its lines, each with its number.
+    """
 
     file: str
     lines: Mapping[Path, int]
     overrides: Mapping[Path, str] = field(default_factory=dict)
+    blocks: Mapping[Path, Sequence[tuple[int, str]]] = field(default_factory=dict)
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
         """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read."""
         ordered = sorted(dict.fromkeys(findings), key=lambda finding: self._line(finding.path))
-        located = [Mistake(self._where(f.path), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
+        located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
         return tuple(located)
@@ -48,7 +53,7 @@ class Locations:
         located = []
         for mistake in mistakes:
             path = tuple(int(step) if step.isdigit() else step for step in mistake.where.split("."))
-            located.append(replace(mistake, where=self._where(path)))
+            located.append(replace(mistake, where=self._where(path, mistake.what)))
         return located
 
     def _origin(self, path: Path) -> int | str:
@@ -67,11 +72,21 @@ class Locations:
         origin = self._origin(path)
         return origin if isinstance(origin, int) else float("inf")
 
-    def _where(self, path: Path) -> str:
+    def _where(self, path: Path, what: str) -> str:
         origin = self._origin(path)
         if isinstance(origin, str):
             return f"--set {origin}"
         if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
             # the long form of a value that the file gives in short
             path = path[:-1]
-        return f"{self.file}:{origin}: {dotted(path)}" if path else f"{self.file}:{origin}"
+        line = _line_in(self.blocks[path], what) if path in self.blocks else origin
+        return f"{self.file}:{line}: {dotted(path)}" if path else f"{self.file}:{line}"
+
+
+def _line_in(block: Sequence[tuple[int, str]], what: str) -> int:
+    """The line of a text that holds what a mistake quotes first; else the first of the text itself."""
+    quoted = re.search(r'"([^"]+)"', what)
+    piece = re.compile(rf"(?<!\w){re.escape(quoted[1])}(?!\w)" if quoted else r"$^")
+    within = [number for number, line in block if piece.search(line)]
+    written = [number for number, line in block[1:] if line.strip()]
+    return (within or written or [block[0][0]])[0]

@@ -203,9 +203,7 @@ def _bind(scope: Scope, size: Size, n: int, where: str) -> None:
 
 
 def _may_lack(node: h5py.h5g.GroupID, declared: Array | Group | Each | Attribute, has: Any) -> bool:
-    if isinstance(declared, Group):
-        return False
-    if isinstance(declared, Each):
+    if isinstance(declared, Group | Each):
         return declared.optional
     if isinstance(declared, Array) and declared.unless and has(node, declared.unless):
         return True

@@ -83,10 +83,11 @@ class Array:
 
 @dataclass(frozen=True)
 class Group:
-    """A group: name -> what stands in it, and its attributes, by name."""
+    """A group: name -> what stands in it, and its attributes, by name. optional: whether it may be missing."""
 
     members: Mapping[str, Array | Group | Each] = field(default_factory=dict)
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -200,6 +201,21 @@ MESH = Group(
 
 _UNKNOWN, _CONSTRAINT, _RECORD = (Size(symbol, least=0) for symbol in ("unknowns", "constraints", "records"))
 
+_NUMBERS = Size("numbers", least=0)
+
+SENSITIVITY = Group(
+    {
+        "number": Array(TEXT, (_NUMBERS,)),
+        "value": Array(NUMBER, (_NUMBERS,)),
+        "unit": Array(TEXT, (_NUMBERS,)),
+        "derivative": Array(NUMBER, (_NUMBERS,)),
+        "note": Array(TEXT, (_NUMBERS,)),
+    },
+    {"missing": Attribute(TEXT)},
+    optional=True,  # results of older versions have none
+)
+"""The derivative of the objective by each number of the file."""
+
 SOLVER = Group(
     {
         "iterations": Group({"number": Array(WHOLE, (_RECORD,)), "*": Array(NUMBER, (_RECORD,))}),
@@ -230,6 +246,7 @@ RESULT = Group(
         "phase": Each(PHASE, names="phases", least=1, own=True),
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,
+        "sensitivity": SENSITIVITY,
     },
     {
         "format": Attribute(TEXT),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -14,6 +14,10 @@ from ...problems.problem import Phase, Problem, Range
 from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
+from .layout import SOLVER
+
+if TYPE_CHECKING:
+    from ...problems.schema.spec import Spec
 
 CURVE_KINDS = ("state", "control", "algebraic", "output", "path", "costate")
 NEAR = 1e-9  # of the duration: a point of the mesh this near to a knot is that knot
@@ -97,6 +101,8 @@ class Result:
     """A result file. `message` says in words how the solve ended; `spec` is the full problem file as plain data.
 
     objective_error: the error bar of the objective, NaN where there is none; `objective_error_missing` then says why.
+    text: of the problem file; overrides: the paths that the command line changed. iterations: quantity -> its value at
+    each record of the solver, (R,). options: what the solver was told, and its seconds by part.
     """
 
     path: Path
@@ -109,6 +115,10 @@ class Result:
     phases: tuple[PhaseCurves, ...]
     meshes: tuple[StoredMesh, ...]
     spec: Mapping[str, Any] = field(repr=False)
+    text: str = ""
+    overrides: tuple[str, ...] = ()
+    iterations: Mapping[str, np.ndarray] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def names(self, kind: str) -> list[str]:
         """The names of all curves of a kind, in the order of the problem file."""
@@ -118,17 +128,27 @@ class Result:
     def states(self) -> list[str]:
         return self.names("state")
 
+    def stated(self) -> tuple[Spec, Problem]:
+        """The problem file that was solved, and the problem that it states.
+
+        Raises FileError if this version of trajopt cannot read it.
+        """
+        from ...problems.build import build
+        from ...problems.load import load_stored
+
+        spec = load_stored(self.spec, str(self.path))
+        return spec, build(spec)
+
     def build(self) -> tuple[Problem, dict[str, float]]:
         """The problem that was solved, and the numbers of its parameters, fixed and optimised.
 
         Raises FileError if this version of trajopt cannot read the problem.
         """
-        from ...problems.build import build
-        from ...problems.load import load_stored
+        from ...problems.language.plain import shared_in_plain
         from ...problems.names.symbols import Symbols
 
-        spec = load_stored(self.spec, str(self.path))
-        return build(spec), {**Symbols(spec).numbers, **self.phases[0].parameters}
+        spec, problem = self.stated()
+        return problem, {**Symbols(shared_in_plain(spec)[0]).numbers, **self.phases[0].parameters}
 
 
 def read(path: Path) -> Result:
@@ -145,6 +165,10 @@ def read(path: Path) -> Result:
             phases=tuple(_phase(name, group) for name, group in file["phase"].items()),
             meshes=tuple(_stored_mesh(file["mesh"][str(k)]) for k in range(len(file["mesh"]))),
             spec=stored_problem(file),
+            text=file["spec/text"].asstr()[()],
+            overrides=tuple(file["spec"].attrs["overrides"]),
+            iterations={name: values[:] for name, values in file["solver/iterations"].items()},
+            options={name: value for name, value in file["solver"].attrs.items() if name not in SOLVER.attributes},
         )
 
 

@@ -15,7 +15,14 @@ from .arrays import NO_BAR_YET, bar_of, meshes_of, unit_of
 from .door import DAMAGED, open_result, stored_problem
 from .layout import MESH
 
+OLDER = "an older version of trajopt wrote this result, which is to be solved again"
+"""Why there are no sensitivities in a result that has no place for them."""
+
 LARGEST_NUMBER = 1e300  # of a reference
+
+NEGLIGIBLE = 1e-6
+"""Of 1 + |objective|: a number is not listed if doubling it, or adding 1, changes the objective by less; it is what the
+barrier of the engine leaves of bounds that do not act."""
 
 
 def summarize(path: Path) -> dict[str, Any]:
@@ -59,6 +66,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "iterations": sum(mesh["iterations"] for mesh in meshes),
         "error": _error(file),
         "overshoot": _overshoot(file),
+        "sensitivities": _sensitivities(file),
         "phases": _phases(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
@@ -117,6 +125,32 @@ def _overshoot(file: h5py.File) -> dict[str, Any] | None:
         if told:
             found.append({"phase": name, **told})
     return max(found, key=lambda own: own["share"], default=None)
+
+
+def _sensitivities(file: h5py.File) -> dict[str, Any]:
+    """The derivative of the objective by each number of the file, by path; missing: why there are none, or ""."""
+    if "sensitivity" not in file:
+        return {"missing": OLDER, "numbers": {}}
+    group = file["sensitivity"]
+    columns = {key: group[key][:] for key in ("value", "derivative")}
+    columns |= {key: group[key].asstr()[:] for key in ("unit", "note")}
+    paths = group["number"].asstr()[:]
+    numbers = {path: {key: column[k] for key, column in columns.items()} for k, path in enumerate(paths)}
+    return {"missing": group.attrs["missing"], "numbers": numbers}
+
+
+def telling(summary: dict[str, Any]) -> list[str]:
+    """The numbers of the file that the objective hangs on, or that there is something to know of, the largest effect
+    first. summary: as `summarize` gives it."""
+    numbers, scale = summary["sensitivities"]["numbers"], 1 + abs(summary["objective"] or 0.0)
+    effects = {path: _effect(own) for path, own in numbers.items()}
+    listed = [path for path, effect in effects.items() if effect > NEGLIGIBLE * scale or numbers[path]["note"]]
+    return sorted(listed, key=lambda path: -effects[path])
+
+
+def _effect(own: dict[str, Any]) -> float:
+    """What of the objective hangs on a number: its derivative times 1 + |the number|; 0 if it is not known."""
+    return abs(own["derivative"]) * (1 + abs(own["value"])) if own["derivative"] is not None else 0.0
 
 
 def _phases(file: h5py.File) -> dict[str, Any]:

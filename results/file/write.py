@@ -29,6 +29,9 @@
                                another start), relief (what would have to give way, of a problem that contradicts
                                itself), scaling (sizes of the automatic one, JSON), continuation (the solves on
                                the way, in words)
+    /sensitivity/              number, the path of a number of the problem file, and over it value, unit,
+                               derivative (of the objective by it; NaN where there is none) and note (why, or
+                               what to know); attribute: missing (why there are none at all)
 
 Arrays carry `long_name`, and `units` where the problem file gives them (costates have none: the objective has none).
 Their dimensions are HDF5 dimension scales, so that `xarray.open_datatree(file)` shows times as coordinates. (xarray
@@ -57,6 +60,7 @@ from .write_phase import write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
+    from ...transcription.solution.sensitivity import Sensitivities
     from ...transcription.solution.solution import MeshRecord, Solution
 
 MAX_UNMET = 20  # segments told one by one
@@ -149,6 +153,7 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)
         _write_solver(group_of(file, "solver"), solution)
+        _write_sensitivities(group_of(file, "sensitivity"), solution.sensitivities)
         return content_of(file)
 
 
@@ -241,6 +246,15 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
     group.attrs["continuation"] = texts(map(str, solution.continuation))
+
+
+def _write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
+    group.attrs["missing"] = found.why_not
+    number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
+    for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
+        array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
+    for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
+        array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)
 
 
 def _seconds(parts: Mapping[str, float]) -> dict[str, float]:

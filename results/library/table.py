@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from html import escape
 
-from ..reproduction.page import UNFINISHED, document, machine, table
+from ..report.page import rendered
+from ..reproduction.page import MADE_BY as PAGES
+from ..reproduction.page import machine
 from .rows import Row
 
 TITLE = "The library, solved and verified"
@@ -91,24 +92,25 @@ def html(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:
     rows: of the table.
     regressions: what got worse, in words; None where nobody compared.
     """
-    if not rows:
-        return document(TITLE, UNFINISHED)
-    body = [f"<p>{verdict(rows)}. Written on {datetime.now(UTC):%Y-%m-%d}, on {escape(machine())}.</p>"]
-    if regressions is not None:
-        body.append(f"<p>Worse than in the baseline: {len(regressions) or 'nothing'}.</p>")
-        body += [f'<p class="fail">{escape(line)}</p>' for line in regressions]
-    numbers = [COLUMNS.index(name) for name in NUMBERS]
-    body.append(table(COLUMNS, map(_html_cells, rows), numbers))
-    body += [f'<p class="fail">{escape(row.name)}: {escape("; ".join(row.failed))}</p>' for row in rows if row.failed]
-    return document(TITLE, "\n".join(body))
+    return rendered(
+        "library.html",
+        title=TITLE,
+        made_by=PAGES,
+        rows=[{"cells": cells(row), "bad": _bad(row)} for row in rows],
+        columns=COLUMNS,
+        numbers=NUMBERS,
+        verdict=verdict(rows),
+        date=f"{datetime.now(UTC):%Y-%m-%d}",
+        machine=machine(),
+        regressions=regressions,
+        failures=[f"{row.name}: {'; '.join(row.failed)}" for row in rows if row.failed],
+    )
 
 
-def _html_cells(row: Row) -> list[str]:
-    told = {name: escape(text) for name, text in cells(row).items()}
-    for name, good in (("bar holds", row.holds is not False), ("verify", row.solved and not row.failed)):
-        if not good:
-            told[name] = f'<span class="fail">{told[name]}</span>'
-    return [told[name] for name in COLUMNS]
+def _bad(row: Row) -> list[str]:
+    """The columns in which a row is not as it should be."""
+    good = {"bar holds": row.holds is not False, "verify": row.solved and not row.failed}
+    return [name for name, fine in good.items() if not fine]
 
 
 def as_json(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:

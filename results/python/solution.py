@@ -76,6 +76,24 @@ class Costates(_Named):
         return f"<costates of {shorten(', '.join(self))}>" if self else "<no costates with this method>"
 
 
+class SensitivitiesView(_Named):
+    """Path of a number of the problem file, such as "parameters.m1" or "controls.u.upper" -> the derivative of the
+    objective by it, as `trajopt show --sensitivities` prints it; NaN where there is none.
+
+    missing: why there are none at all, or "". notes: path -> why there is no derivative, or what to know of it.
+    """
+
+    def __init__(self, derivatives: Mapping[str, float], notes: Mapping[str, str], missing: str) -> None:
+        self._derivatives, self.notes, self.missing = derivatives, notes, missing
+
+    def _members(self) -> Mapping[str, float]:
+        return self._derivatives
+
+    def __repr__(self) -> str:
+        told = f"<sensitivities to {shorten(', '.join(self))}>"
+        return f"<no sensitivities: {self.missing}>" if self.missing else told
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class PhaseView(_Named):
     """One phase: name -> `TimeFunction` of each state, control, algebraic variable and output, and the value of each
@@ -193,6 +211,12 @@ class SolutionView(_Named):
     meshes: tuple[MeshRecord, ...]
     phases: Mapping[str, PhaseView]
     _make_image: Callable[[], bytes]
+    _make_sensitivities: Callable[[], SensitivitiesView]
+
+    @cached_property
+    def sensitivities(self) -> SensitivitiesView:
+        """Path of a number of the file -> the derivative of the objective by it."""
+        return self._make_sensitivities()
 
     @property
     def time(self) -> Array:

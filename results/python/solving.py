@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import nan
 from pathlib import Path
+from typing import Any
 
 from ...problems.build import build_all
 from ...problems.problem import Guess
 from ...transcription.continuation import solve_spec
 from ...transcription.loading import located
-from ...transcription.solution.solution import MeshRecord
+from ...transcription.solution.solution import MeshRecord, Solution
 from ...transcription.solution.trajectory import Trajectory
 from ..file.guess import guess_from
 from ..file.reload import reload
@@ -19,7 +20,7 @@ from ..file.summary import causes, summarize
 from ..file.write import image_of
 from .messages import python_words, remedy_in_python
 from .problem import LoadedProblem
-from .solution import ErrorEstimate, PhaseView, SolutionView
+from .solution import ErrorEstimate, PhaseView, SensitivitiesView, SolutionView
 
 COMMAND = "trajopt.solve(...)"
 """What a result file tells as the command."""
@@ -63,6 +64,7 @@ def solve(
         meshes=solution.meshes,
         phases=_phases(solution.trajectories),
         _make_image=partial(image_of, solution, spec.text, spec.model_dump_json(), COMMAND, spec.overrides),
+        _make_sensitivities=partial(_sensitivities, solution),
     )
 
 
@@ -88,11 +90,26 @@ def read(path: str | Path) -> SolutionView:
         meshes=again.records,
         phases=_phases(again.trajectories),
         _make_image=partial(bytes, source.read_bytes()),
+        _make_sensitivities=partial(_stored_sensitivities, summary["sensitivities"]),
     )
 
 
 def _error(meshes: Sequence[MeshRecord], objective: float) -> ErrorEstimate:
     return ErrorEstimate(meshes[-1].max_eta, meshes[-1].relative_error, objective)
+
+
+def _sensitivities(solution: Solution) -> SensitivitiesView:
+    found, why_not = solution.sensitivities
+    derivatives, notes = ({own.path: getattr(own, name) for own in found} for name in ("derivative", "note"))
+    return SensitivitiesView(derivatives, {path: note for path, note in notes.items() if note}, why_not)
+
+
+def _stored_sensitivities(stored: dict[str, Any]) -> SensitivitiesView:
+    numbers = stored["numbers"].items()
+    derivatives = {path: nan if own["derivative"] is None else own["derivative"] for path, own in numbers}
+    return SensitivitiesView(
+        derivatives, {path: own["note"] for path, own in numbers if own["note"]}, stored["missing"]
+    )
 
 
 def _start(guess: SolutionView | str | Path | None, problem: LoadedProblem) -> list[Guess] | None:

@@ -10,9 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
 from ...problems.build import build_all
 from ...problems.catalog import find_problem
 from ...problems.errors import Mistake, SpecError
+from ...problems.files import replacing
 from ...problems.load import load
 from ...problems.text import did_you_mean
 from ...transcription.continuation import solve_spec
@@ -32,6 +36,7 @@ EXAMPLES: dict[str, Example] = {
     for module in (block, splines, refinement, cartpole, biped, min_work, points, pendulum)
 }
 FORMATS = (".png", ".pdf")
+COLOURS = 256  # of a .png
 
 
 def examples(names: Sequence[str]) -> list[Example]:
@@ -74,7 +79,7 @@ def reproduce(
         chapters.append(_chapter(example, solved, unsolved, every))
         if figures and not unsolved:
             _draw(example, solved, folder, progress)
-    write_text(folder / INDEX, page.html(chapters, figures))
+    write_text(folder / INDEX, page.html(chapters, _sizes(folder, chapters) if figures else None))
     return chapters
 
 
@@ -91,7 +96,7 @@ def prepare(folder: Path, chosen: Sequence[Example], figures: bool) -> None:
     for picture in (picture for example in chosen for picture in example.pictures if figures):
         for suffix in FORMATS:
             check_picture(_picture_path(folder, picture, suffix), FORMATS)
-    write_text(folder / INDEX, page.html([], figures))
+    write_text(folder / INDEX, page.html([], None))
 
 
 # -- solving --------------------------------------------------------------------------------------------------------
@@ -155,7 +160,30 @@ def _draw(example: Example, solved: Solutions, folder: Path, progress: Callable[
             figure = picture.draw(solved)
         for suffix in FORMATS:
             save([figure], _picture_path(folder, picture, suffix), picture.title)
+        _shrink(_picture_path(folder, picture, ".png"))
+
+
+def _shrink(path: Path) -> None:
+    """The picture in 256 colours, which are enough for curves: a third of the bytes."""
+    with Image.open(path) as image:
+        told = PngInfo()
+        for key, text in image.text.items():  # type: ignore[attr-defined]  # of a PNG
+            told.add_text(key, text)
+        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        resolution = image.info["dpi"]
+    with replacing(path) as temporary:
+        small.save(temporary, "PNG", pnginfo=told, dpi=resolution, optimize=True)
 
 
 def _picture_path(folder: Path, picture: Picture, suffix: str) -> Path:
     return folder / FIGURES / f"{picture.file}{suffix}"
+
+
+def _sizes(folder: Path, chapters: Sequence[Chapter]) -> dict[str, tuple[int, int]]:
+    """The width and the height of each picture, in pixels."""
+    drawn = (picture for chapter in chapters if not chapter.unsolved for picture in chapter.example.pictures)
+    sizes = {}
+    for picture in drawn:
+        with Image.open(_picture_path(folder, picture, ".png")) as image:
+            sizes[picture.file] = image.size
+    return sizes

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,26 @@ class Plan:
         axis = max(axis for axis, i in enumerate(place) if i)
         place[axis] -= 1
         return self.number(place)
+
+
+def stored_plan(about: Mapping[str, Any], where: str) -> Plan:
+    """The plan that `store.about` has kept.
+
+    about: as a file has it.
+    where: of the file, for the message.
+
+    Raises SpecError for what is none.
+    """
+    try:
+        axes = tuple(Axis(str(own["path"]), tuple(map(str, own["values"]))) for own in about["axes"])
+        plan = Plan(str(about["design"]), axes)
+        alike = plan.design == GRID or len({len(axis.values) for axis in axes}) == 1
+        sound = bool(axes) and plan.design in (GRID, ZIP, LIST, SAMPLE) and alike and 0 < len(plan) <= MAX_CASES
+    except (KeyError, TypeError, ValueError):
+        sound = False
+    if not sound:
+        raise SpecError(Mistake(where, "it holds no plan of a sweep", "give the folder of a 'trajopt sweep'"))
+    return plan
 
 
 def grid(axes: Sequence[Axis]) -> Plan:

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import check_writable, replacing
@@ -113,13 +113,7 @@ class Store:
                 temporary.write_text(json.dumps(about, indent=1), encoding="utf-8")
             return
         remedy = "choose another folder with -o, or start anew with --force"
-        try:
-            known = json.loads(path.read_text(encoding="utf-8"))
-            there = known["format"], known["format_version"]
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
-            raise SpecError(Mistake(str(path), "it cannot be read", remedy)) from error
-        if there != (FORMAT, VERSION):
-            raise SpecError(Mistake(str(path), "it is of another version of trajopt", remedy))
+        known = stored_about(self.folder, remedy)
         differ = [words for key, words in _COMPARED.items() if known.get(key) != about[key]]
         if differ:
             what = f"the folder holds another sweep ({' and '.join(differ)} differ)"
@@ -141,29 +135,7 @@ class Store:
                     path.unlink()
 
     def _read(self) -> dict[int, dict[str, Any]]:
-        """The last record of each case; one whose small result is missing or broken is none."""
-        records: dict[int, dict[str, Any]] = {}
-        for path in sorted(self.folder.glob("index*.jsonl")):
-            for line in path.read_bytes().splitlines():
-                record = _json(line)
-                if self._belongs(record) and not (
-                    records.get(record["case"], {}).get("solved") and not record["solved"]
-                ):
-                    records[record["case"]] = record
-        lost = [number for number, r in records.items() if r["solved"] and self._small(r["key"]) is None]
-        records = {number: record for number, record in records.items() if number not in lost}
-        known = {record["key"] for record in records.values()}
-        for path in (self.folder / CASES).glob("[!.]*.npz"):
-            if path.stem not in known and (small := self._small(path.stem)) and self._belongs(small[0]):
-                records.setdefault(small[0]["case"], small[0])
-        return dict(sorted(records.items()))
-
-    def _belongs(self, record: Any) -> bool:
-        """Whether it is a record of this sweep."""
-        if not is_record(record):
-            return False
-        number = record["case"]
-        return 0 <= number < len(self.plan) and record["values"] == self.plan.values(number)
+        return records_in(self.folder, self.plan)
 
     def refreshed(self) -> dict[int, dict[str, Any]]:
         """The records with those that the other shards have finished by now."""
@@ -211,14 +183,7 @@ class Store:
     def curves(self, number: int) -> Curves | None:
         """The curves of a solved case; None if there are none."""
         record = self.records.get(number)
-        small = self._small(record["key"]) if record and record["solved"] else None
-        return small[1] if small else None
-
-    def _small(self, key: str) -> tuple[dict[str, Any], Curves] | None:
-        """What the small result of a case holds; None if it is missing or broken."""
-        with suppress(*BROKEN):
-            return unpacked((self.folder / CASES / f"{key}.npz").read_bytes())
-        return None
+        return curves_in(self.folder, record) if record else None
 
     @contextmanager
     def _told(self, path: Path) -> Iterator[None]:
@@ -252,6 +217,57 @@ def about(plan: Plan, text: str, file: str, overrides: list[str], chain: bool) -
     axes = [{"path": axis.path, "values": list(axis.values)} for axis in plan.axes]
     head = {"format": FORMAT, "format_version": VERSION, "file": file, "design": plan.design}
     return {**head, "axes": axes, "overrides": list(overrides), "chain": chain, "text": text}
+
+
+def stored_about(folder: Path, remedy: str) -> dict[str, Any]:
+    """What `about` has written into a folder. Raises SpecError with the remedy if it is none of this version."""
+    path = folder / ABOUT
+    try:
+        known = json.loads(path.read_text(encoding="utf-8"))
+        there = known["format"], known["format_version"]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise SpecError(Mistake(str(path), "it cannot be read", remedy)) from error
+    if there != (FORMAT, VERSION):
+        raise SpecError(Mistake(str(path), "it is of another version of trajopt", remedy))
+    return cast(dict[str, Any], known)
+
+
+def records_in(folder: Path, plan: Plan) -> dict[int, dict[str, Any]]:
+    """The last record of each case of a plan that a folder has; one whose small result is missing or broken is none."""
+    records: dict[int, dict[str, Any]] = {}
+    for path in sorted(folder.glob("index*.jsonl")):
+        for line in path.read_bytes().splitlines():
+            record = _json(line)
+            if _belongs(record, plan) and not (records.get(record["case"], {}).get("solved") and not record["solved"]):
+                records[record["case"]] = record
+    lost = [number for number, r in records.items() if r["solved"] and _small(folder, r["key"]) is None]
+    records = {number: record for number, record in records.items() if number not in lost}
+    known = {record["key"] for record in records.values()}
+    for path in (folder / CASES).glob("[!.]*.npz"):
+        if path.stem not in known and (small := _small(folder, path.stem)) and _belongs(small[0], plan):
+            records.setdefault(small[0]["case"], small[0])
+    return dict(sorted(records.items()))
+
+
+def _belongs(record: Any, plan: Plan) -> bool:
+    """Whether it is a record of a case of the plan."""
+    if not is_record(record):
+        return False
+    number = record["case"]
+    return 0 <= number < len(plan) and record["values"] == plan.values(number)
+
+
+def curves_in(folder: Path, record: Mapping[str, Any]) -> Curves | None:
+    """The curves of a case that is solved; None if there are none."""
+    small = _small(folder, record["key"]) if record["solved"] else None
+    return small[1] if small else None
+
+
+def _small(folder: Path, key: str) -> tuple[dict[str, Any], Curves] | None:
+    """What the small result of a case holds; None if it is missing or broken."""
+    with suppress(*BROKEN):
+        return unpacked((folder / CASES / f"{key}.npz").read_bytes())
+    return None
 
 
 def append(stream: FileIO | None, line: bytes) -> None:

@@ -7,18 +7,21 @@ from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
 from .dynamics import DYNAMICS, MODELS
+from .ends_over_time import ENDS_OVER_TIME
 from .formulas import EXPRESSIONS, NAMES, OVERRIDES
+from .functions import FUNCTIONS
 from .good import GOOD, IMPLICIT
+from .guesses import BAD_GUESS, GUESSES
 from .methods import CONSISTENT, RANGES, SOLVERS
 from .phases import PHASES
 from .tables import BAD_CSV, CSV, TABLES, WITH_TABLES
 from .text import FILES
 from .values import KEYS, NUMBERS, STRANGE
 
-__all__ = ["BAD_CSV", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLES", "Case", "write"]
+__all__ = ["BAD_CSV", "BAD_GUESS", "CASES", "CSV", "GOOD", "IMPLICIT", "METHODS", "WITH_TABLES", "Case", "write"]
 
 METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES),
-    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES),
+    *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
 ]

@@ -129,7 +129,7 @@ EXPRESSIONS = [
     rate_of_v("an angle on the cut", "u + atan2(0, -m)", "has no value on the cut (y = 0 and x <= 0"),
     rate_of_v("arctan2", "arctan2(v, u)", "write atan2(v, u)"),
     rate_of_v("a comparison", "u > 0", "give the bounds as lower:, upper: or equals:"),
-    rate_of_v("an index", "u[0]", "write u[initial] or u[final]"),
+    rate_of_v("an index", "u[0]", "write u[initial]"),
     rate_of_v("a trailing operator", "u +", "write what stands after it"),
     rate_of_v("a superscript", "u²", "write **2"),
     rate_of_v("a division by zero", "u/(m - 2)", '"u/(m - 2)" divides by zero with m = 2'),

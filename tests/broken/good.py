@@ -17,7 +17,7 @@ states:
   x: {unit: m, rate: v, lower: -2, upper: 2, initial: 0, final: d}
   v: {unit: m/s, rate: (u - c*v)/m, initial: 0, final: 0}
 controls:
-  u: {unit: N, lower: -u_max, upper: u_max}
+  u: {note: force, lower: -u_max, upper: u_max}
 optimize:
   c: {lower: 0.1, upper: 0.5, guess: 0.3}
 objective: {minimize: {integral: u**2, terminal: "x[final]*v[final] + c**2"}}

@@ -59,7 +59,7 @@ SOLVERS = [
         newton(f"bounds for Newton, {path}", given, f"{given} ", path, "the Newton engine takes ")
         for path, given in (
             ("states.x.lower", "x: {unit: m,"),
-            ("controls.u.lower", "u: {unit: N,"),
+            ("controls.u.lower", "u: {note: force,"),
             ("optimize.c.lower", "c: {lower: 0.1,"),
             ("constraints.path.0", "- {name: speed limit,"),
             ("constraints.integral.0", "- {expression: power,"),
@@ -110,8 +110,8 @@ SOLVERS = [
 
 # Signs, slopes and sizes of slack variables need every range of the file, also one that is mistaken itself.
 RANGES = [
-    nonsmooth("a range of no value", "u_max: 5", "u_max: 5 N", "parameters.u_max", "an operator is missing"),
+    nonsmooth("a range of no value", "u_max: 5", "u_max: 5 N", "parameters.u_max", "{value: 5, unit: N}"),
     nonsmooth("a range of a list", "u_max: 5", "u_max: [5]", "parameters.u_max", "a number or an expression"),
-    nonsmooth("a broken bound", "lower: -2", "lower: 2 m", "states.x.lower", "an operator is missing"),
+    nonsmooth("a broken bound", "lower: -2", "lower: 2 m", "states.x.lower", "write lower: 2"),
     nonsmooth("a range of nothing", "u_max: 5", "u_max: .nan", "parameters.u_max", "NaN is not a number"),
 ]

@@ -92,7 +92,7 @@ IN_FILE = [
     edit("a table called like a state", "  drag: {", "  x: {", "tables.x", "already declared under states"),
     edit("a table called like a parameter", "  drag: {", "  d: {", "tables.d", "already declared under parameters"),
     edit("tables as a list", "tables:\n", "tables: [1]\nother:\n", "tables", "must be a mapping, not a list"),
-    rate("a misspelt table", "drg(v)", '"drg" in "(u - c*v - drg(v) - wind(v, x))/m": there is no table drg; did you'),
+    rate("a misspelt table", "drg(v)", '"drg" in "(u - c*v - drg(v) - wind(v, x))/m": there is no drg(...); did you'),
     rate("an unknown table", "lift(v)", "lift is not a function"),
     rate("a table without arguments", "drag", "drag is a table of data; write drag(v)"),
     rate("a table of nothing", "drag()", "nothing between the parentheses"),

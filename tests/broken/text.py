@@ -34,7 +34,7 @@ FILES = [
     raw("a list as a key", "? [1, 2]\n: 3\n", ":1", "a key must be a word"),
     edit("a tab", "  u_max: 5", "\tu_max: 5", "", "indent with spaces"),
     edit("a wrong indentation", "  d: 1.0", "   d: 1.0", "", "indent keys of one mapping alike"),
-    edit("an open brace", "unit: kg}", "unit: kg", "", "in what starts on line 4", line=5),
+    edit("an open brace", "unit: kg}", "unit: kg", "", "close it: m: {value: 2.0, unit: kg}", line=4),
     edit("an open quote", '"x[final] - x[initial]"', '"x[final] - x[initial]', "", "close the quotes"),
     edit("brackets without quotes", '"x[final] - x[initial]"', "x[final] - x[initial]", "", "in quotes"),
     edit("a duplicate key", "  d: 1.0", "  m: 1.0", "parameters.m", "given twice, first on line 4"),

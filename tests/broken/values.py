@@ -73,7 +73,7 @@ KEYS = [
     ),
     edit("two senses", "objective: {", "objective: {maximize: {integral: v}, ", "objective", "two objectives"),
     edit("an empty objective", TERMS, "{}", "objective.minimize", "add integral: or terminal:"),
-    edit("an objective without terms", TERMS, "u**2", "objective.minimize", "for example minimize: {integral: u**2}"),
+    edit("an objective without terms", TERMS, "u**2", "objective.minimize", "write minimize: {integral: u**2}"),
     edit("fixed and free", "final: d}", "final: {value: d, lower: 0}}", "states.x.final", "keep the value"),
     edit("nothing fixed", "final: d}", "final: {}}", "states.x.final", "nothing is given here"),
     edit("no bound", ", upper: 100", "", "constraints.integral.0", "add lower:, upper: or equals:"),
@@ -83,9 +83,7 @@ KEYS = [
     ),
     edit("a choice", "solver: {", "solver: {accept: good, ", "solver.accept", "'optimal' or 'acceptable'"),
     edit("a switch that is none", "max_iter", "coarse_start: maybe, max_iter", "solver.coarse_start", "true or false"),
-    edit(
-        "a tolerance for refine", "solver:", "refine: 1e-8\nsolver:", "refine", "for example refine: {tolerance: 1e-8}"
-    ),
+    edit("a tolerance for refine", "solver:", "refine: 1e-8\nsolver:", "refine", "write refine: {tolerance: 1e-8}"),
     edit(
         "no final time",
         ", final: T}",
@@ -93,7 +91,13 @@ KEYS = [
         "time.final",
         "add for example final: 1, or {lower: 0.5, upper: 3}",
     ),
-    edit("controls as lists", "u: {unit: N, lower: -u_max, upper: u_max}", "u: [1, 2]", "controls.u", "a mapping, not"),
+    edit(
+        "controls as lists",
+        "u: {note: force, lower: -u_max, upper: u_max}",
+        "u: [1, 2]",
+        "controls.u",
+        "a mapping, not",
+    ),
     edit(
         "an objective as a number",
         "{minimize: " + TERMS + "}",
@@ -101,16 +105,16 @@ KEYS = [
         "objective",
         "not the number 3",
     ),
-    edit("a British objective", "minimize", "minimise", "objective.minimise", "did you mean minimize?"),
+    edit("a British objective", "minimize", "minimise", "objective.minimise", "write minimize: "),
     edit("an option as a list", "max_iter: 100", "max_iter: [1]", "solver.max_iter", "solver's option"),
     edit("the option tol", "max_iter: 100", "tol: 1e-6", "solver.tol", "tolerance: in each entry of mesh:"),
 ]
 
 STRANGE = [
     edit("NUL in a name", "a good file", '"a\\0b"', "name", r"the character '\x00', which cannot be printed"),
-    edit("NUL in a unit", "{unit: N,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
-    edit("an escape", "{unit: N,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
-    edit("DEL in a note", "{unit: N,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
+    edit("NUL in a unit", "{note: force,", '{unit: "N\\0",', "controls.u.unit", r"the character '\x00'"),
+    edit("an escape", "{note: force,", '{unit: "\\e]0;x\\a",', "controls.u.unit", r"the character '\x1b'"),
+    edit("DEL in a note", "{note: force,", '{note: "a\\x7f", unit: N,', "controls.u.note", r"the character '\x7f'"),
 ]
 
 NUMBERS = [
@@ -120,7 +124,7 @@ NUMBERS = [
     edit("meshes in words", "solver:", "refine: {max_meshes: lots}\nsolver:", "refine.max_meshes", "from 1 to 100"),
     edit("a size of nothing", "mesh:", "scaling: {uu: 3}\nmesh:", "scaling.uu", "did you mean u?"),
     edit("a size of a parameter", "mesh:", "scaling: {d: 3}\nmesh:", "scaling.d", "those that have one are x, v, u, c"),
-    edit("infinity", "upper: 2,", "upper: .inf,", "states.x.upper", "leave the key out"),
+    edit("infinity", "upper: 2,", "upper: .inf,", "states.x.upper", "leave upper: out for no bound"),
     edit("a tolerance of NaN", "tolerance: 1e-8", "tolerance: .nan", "mesh.0.tolerance", "finite number"),
     edit("a tolerance of zero", "tolerance: 1e-8", "tolerance: 0", "mesh.0.tolerance", "out of range"),
     edit("a tolerance in words", "tolerance: 1e-8", "tolerance: small", "mesh.0.tolerance", 'not the text "small"'),

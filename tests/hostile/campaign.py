@@ -24,6 +24,7 @@ COMMANDS = {
     "plot": ["plot", "FILE", "-o", "plot.png", "--force"],
     "errors": ["plot", "FILE", "--error", "--mesh", "-o", "errors.pdf", "--force"],
     "animate": ["animate", "FILE", "-o", "poses.png", "--frames", "2", "--force"],
+    "report": ["report", "FILE", "-o", "page.html", "--no-verify", "--force"],
     "verify": ["verify", "FILE"],
     "read": ["FILE"],  # trajopt.read, from Python
     "over it": ["solve", "tiny.yaml", "-q", "-o", "FILE"],

@@ -143,6 +143,7 @@ def preload() -> None:
     import trajopt.results.pictures.error_plots
     import trajopt.results.pictures.mesh_plots
     import trajopt.results.python.solving
+    import trajopt.results.report.result
     import trajopt.results.verify
     import trajopt.transcription.failure.relax
     import trajopt.transcription.solve  # noqa: F401

@@ -275,11 +275,11 @@ def bound(variable: Any, bounds: Range, value: float) -> None:
 
 
 def _finite(value: float) -> float | None:
-    return value if isfinite(value) else None
+    return float(value) if isfinite(value) else None  # Pyomo takes no kinds of float but its own
 
 
 def between(bounds: Range, body: Any) -> Any:
     """The relation lower <= body <= upper, or body == value where both ends are one."""
     if bounds.fixed:
-        return body == bounds.lower
+        return body == float(bounds.lower)
     return (_finite(bounds.lower), body, _finite(bounds.upper))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...problems.expressions.structure import Form, form_of
 from ...problems.probe import depends_on
-from ...problems.problem import Function, Phase, Problem, Range
+from ...problems.problem import Phase, Problem, Range
 
 GROUPS = ("residuals", "path", "boundary", "integral")
 """The attributes of a phase that hold constraints."""
@@ -22,10 +22,14 @@ class Forms(NamedTuple):
     links: Form
 
 
-def forms_of(problem: Problem) -> Forms:
-    """The form of a problem and the data of its functions, for each phase and for what is between phases."""
-    phases = tuple(form_of(_functions(phase)) for phase in problem.phases)
-    links = form_of([*(link.function for link in problem.links), problem.mayer])
+def forms_of(problem: Problem, values_only: bool = False) -> Forms:
+    """The form of a problem and the data of its functions, for each phase and for what is between phases.
+
+    problem: any.
+    values_only: as of `structure.form_of`.
+    """
+    phases = tuple(form_of_phase(phase, values_only) for phase in problem.phases)
+    links = form_between(problem, values_only)
     shape = [
         problem.sense,
         *((own.name, _shape(own.bounds)) for own in problem.parameters),
@@ -35,9 +39,16 @@ def forms_of(problem: Problem) -> Forms:
     return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
 
 
-def _functions(phase: Phase) -> list[Function | None]:
+def form_of_phase(phase: Phase, values_only: bool = False) -> Form:
+    """The form of the functions of a phase; values_only: as of `structure.form_of`."""
     constraints = [own for kind in GROUPS for own in getattr(phase, kind)]
-    return [*(state.rate for state in phase.states), *(c.function for c in constraints), phase.lagrange, phase.mayer]
+    rates = (state.rate for state in phase.states)
+    return form_of([*rates, *(own.function for own in constraints), phase.lagrange, phase.mayer], values_only)
+
+
+def form_between(problem: Problem, values_only: bool = False) -> Form:
+    """The form of the functions of the ends of several phases; values_only: as of `structure.form_of`."""
+    return form_of([*(link.function for link in problem.links), problem.mayer], values_only)
 
 
 def _shape(bounds: Range) -> tuple[bool, bool, bool]:

@@ -20,9 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Curves, Phase, Problem, Range
-from ..constraint_kinds import BOUND, DEFECT, PATH, PATH_END, ConstraintKind
-from ..layout import Layout, Transcription, Unknown, bounded_start
+from ...problems.problem import Curves, Problem, Range
+from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
 from ..method_kind import Program
 from ..program.alone import LOCK
 from ..program.compiler import CompiledNLP
@@ -32,8 +31,6 @@ from .model import by_model, compiled_model
 
 MOST, UNKNOWNS = 16, 50_000
 """Programs that are kept, and the unknowns of all of them: with its Pyomo model each takes 1 kB for an unknown."""
-
-EQUAL = Range(0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,30 +158,18 @@ def _unknowns(
             put(places, curves[variable.name], variable.bounds)
         put(layout.t[:1], start.initial_time, phase.initial_time)
         put(layout.t[1:], start.final_time, phase.final_time)
+    start_of = problem.start_of_parameters(guess)
     for place, own in zip(parameters, problem.parameters, strict=True):
-        put(np.array([place]), guess[0].parameters[own.name], own.bounds)
+        put(np.array([place]), start_of[own.name], own.bounds)
     z, lower, upper = table
     return z, lower, upper
 
 
 def _bounds(problem: Problem, transcription: Transcription, nlp: CompiledNLP) -> tuple[np.ndarray, np.ndarray]:
     """The bounds of the rows of a problem's program, (m,) each. transcription, nlp: of another with the same rows."""
-    phases = {phase.name: phase for phase in problem.phases}
     lower, upper = np.zeros((2, nlp.m))
     for family in transcription.families:
-        bounds = _range(problem, phases.get(family.phase), family.kind, family.name)
+        bounds = range_of_rows(problem, family)
         rows = family.rows(nlp)
         lower[rows], upper[rows] = bounds.lower, bounds.upper
     return lower, upper
-
-
-def _range(problem: Problem, phase: Phase | None, kind: ConstraintKind, name: str) -> Range:
-    """The range of what a family holds."""
-    if phase is None:  # of several
-        return next(link.bounds for link in problem.links if link.name == name)
-    if kind is BOUND:
-        return next(state.bounds for state in phase.states if state.name == name)
-    if kind is DEFECT:
-        return EQUAL
-    constraints = getattr(phase, PATH.functions if kind is PATH_END else kind.functions)
-    return next(own.bounds for own in constraints if own.name == name)

@@ -49,19 +49,23 @@ from .segments import CollocationBuilder
 BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
 
 
-def by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+def by_model(
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool, values_only: bool = False
+) -> Transcription:
     """The program of collocation schemes and finite differences, as `transcribe.transcribe`.
 
     problem: one that no method refuses.
     meshes: one for each phase.
     guess: one for each phase.
     templates: False for an ordinary, expanded model.
+    values_only: as of `structure.form_of`.
     """
-    forms = forms_of(problem) if templates else None
+    forms = forms_of(problem, values_only) if templates else None
     model = ConcreteModel(problem.name)
     model.p = Var([p.name for p in problem.parameters])
+    start = problem.start_of_parameters(guess)
     for parameter in problem.parameters:
-        bound(model.p[parameter.name], parameter.bounds, guess[0].parameters[parameter.name])
+        bound(model.p[parameter.name], parameter.bounds, start[parameter.name])
     model.phase = Block([phase.name for phase in problem.phases])
     p = {parameter.name: model.p[parameter.name] for parameter in problem.parameters}
     blocks = [model.phase[phase.name] for phase in problem.phases]
@@ -74,8 +78,8 @@ def by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], 
         for block, own, phase, mesh in zip(blocks, data, problem.phases, meshes, strict=True)
     ]
     with templated() if forms else nullcontext():
-        for builder, start in zip(builders, guess, strict=True):
-            builder.variables(start)
+        for builder, curves in zip(builders, guess, strict=True):
+            builder.variables(curves)
             builder.constraints()
         links = _links(model, problem, builders, linked)
         model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked))
@@ -95,7 +99,12 @@ def _data(block: Any, form: Form | None) -> dict[str, Any]:
     """Numbers of the file that stay symbols: a Param of the block for each."""
     if form is None or not form.data:
         return {}
-    block.number = Param(list(form.data), mutable=True, within=AnyValue, initialize=dict(form.data))
+    block.number = Param(
+        list(form.data),
+        mutable=True,
+        within=AnyValue,
+        initialize={name: float(number) for name, number in form.data.items()},
+    )
     return {name: block.number[name] for name in form.data}
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from ...problems.problem import Problem
+from ..collocation.forms import form_between
 from ..engines.outcome import Outcome
-from ..layout import Transcription
+from ..layout import BETWEEN, Transcription
+from ..method_kind import TIMES, Number, Numbers
 from ..program.contract import NonlinearProgram, callback
 from ..program.direct import Direct
 from ..program.pointwise import PointFunctions
@@ -32,7 +36,8 @@ class JoinedNLP:
         parts = [program.seconds for program in self.programs]
         self.seconds = {part: sum(own[part] for own in parts) for part in parts[0]}
         self.has_mayer = problem.mayer is not None
-        self.links = _between(problem, transcription, self.seconds, int(self.offsets[-1]))
+        self.data = form_between(problem).data
+        self.links = _between(problem, transcription, self.seconds, int(self.offsets[-1]), self.data)
         self._jacobian = self._places(self.links.rows[self.links.o], self.links.columns[self.links.j])
         self._link_rows = self.links.o < len(problem.links)
         a, b = self.links.columns[self.links.a], self.links.columns[self.links.b]
@@ -49,6 +54,25 @@ class JoinedNLP:
             found.append((own_rows + offset, part.places[own_columns]))
         linked = rows < self.m
         return [*found, (rows[linked], columns[linked])]
+
+    def numbers(self) -> Numbers:
+        """The given times and the parameters of the file that are data: those of the parts, and of the links."""
+        found: dict[tuple[str, str], Number] = {}
+        for i, (part, program) in enumerate(zip(self.parts, self.programs, strict=True)):
+            own = part.kind.numbers(part.transcription, program).items()
+            found |= {key: Number(number.value, partial(self._replaced, i, key, number)) for key, number in own}
+        return found | {(BETWEEN, name): Number(v, partial(self._linked, name)) for name, v in self.data.items()}
+
+    def _replaced(self, part: int, key: tuple[str, str], number: Number, value: float) -> JoinedNLP:
+        phase, name = key
+        other = self._linked(f"{phase}.{name}", value) if name in TIMES else copy(self)
+        other.programs = [number.replaced(value) if i == part else own for i, own in enumerate(self.programs)]
+        return other
+
+    def _linked(self, name: str, value: float) -> JoinedNLP:
+        other = copy(self)
+        other.links = self.links.with_number(name, value)
+        return other
 
     def rows(self, component: PartRows) -> np.ndarray:
         """The row numbers of the component of a family."""
@@ -150,7 +174,9 @@ class JoinedNLP:
         return [found[name] for name in self.names]
 
 
-def _between(problem: Problem, transcription: Transcription, seconds: dict[str, float], first: int) -> Direct:
+def _between(
+    problem: Problem, transcription: Transcription, seconds: dict[str, float], first: int, data: Mapping[str, float]
+) -> Direct:
     """The links, and the objective of the whole trajectory, as functions of the ends of all phases."""
     names: list[str] = []
     columns: list[int] = []
@@ -170,7 +196,7 @@ def _between(problem: Problem, transcription: Transcription, seconds: dict[str, 
     columns += transcription.parameters.tolist()
     fixed += [0.0] * len(problem.parameters)
     functions = [*(link.function for link in problem.links), *([problem.mayer] if problem.mayer else [])]
-    compiled = PointFunctions(functions, names, [], seconds)
+    compiled = PointFunctions(functions, names, [], seconds, data)
     return Direct(compiled, np.array(columns), np.array(fixed), first + np.arange(len(functions)))
 
 

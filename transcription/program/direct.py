@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
 from .contract import cross_factor
@@ -26,6 +28,14 @@ class Direct:
         self.o, self.j = o[free[j]], j[free[j]]
         self.a, self.b = (i[free[a] & free[b]] for i in (a, b))
         self.factor = cross_factor(columns[self.a], columns[self.b], self.a != self.b)
+
+    def with_number(self, name: str, value: float) -> Direct:
+        """The same with another number: of a parameter that is data, or of an argument that is fixed."""
+        other = copy(self)
+        other.functions = self.functions.with_number(name, value)
+        named = np.array([own == name for own in self.functions.names], bool)
+        other.fixed = np.where(named & (self.columns < 0), value, self.fixed)
+        return other
 
     def move(self, z: np.ndarray) -> None:
         self.arguments = np.where(self.columns >= 0, z[self.columns], self.fixed)

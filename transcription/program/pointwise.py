@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 
 import numpy as np
 import pyomo.core as pyomo
@@ -19,13 +20,21 @@ class PointFunctions:
     """y = F(v, d), v: variables and d: data, by name.
 
     functions: each called with the values by name and Pyomo's functions, as `problems.problem.Function`.
-    Arrays of arguments have the variables first, then the data: shape (..., n_v + n_d).
+    numbers: data that are the same at all points, name -> value: the code is compiled once for all values of them.
+    Arrays of arguments have the variables first, then the data: shape (..., n_v + n_d), without the numbers.
     """
 
     def __init__(
-        self, functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str], seconds: dict
+        self,
+        functions: Sequence[Callable],
+        variables: Sequence[str],
+        data: Sequence[str],
+        seconds: dict,
+        numbers: Mapping[str, float] | None = None,
     ) -> None:
         self.names, self.size = (*variables, *data), len(variables)
+        self.given, self.numbers = tuple(numbers or ()), np.array([*(numbers or {}).values()], float)
+        data = (*data, *self.given)
         with timing(seconds, "differentiate"):
             outputs, lookups = _translate(functions, variables, data)
         self.outputs = len(outputs)
@@ -34,7 +43,13 @@ class PointFunctions:
         if outputs:
             backend = available_backend()
             self.code = compile_family(outputs, len(variables), len(data), backend, seconds, lookups)
-            self.tables = Filled(lookups, self.code.passes, len(self.names), backend)
+            self.tables = Filled(lookups, self.code.passes, len(self.names) + len(self.numbers), backend)
+
+    def with_number(self, name: str, value: float) -> PointFunctions:
+        """The same functions with another number of that name."""
+        other = copy(self)
+        other.numbers = np.where([own == name for own in self.given], value, self.numbers)
+        return other
 
     def values(self, arguments: np.ndarray) -> np.ndarray:
         """y, shape (..., n_y)."""
@@ -60,9 +75,10 @@ class PointFunctions:
 
     def _call(self, function: Callable, arguments: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
         """One call for all points; the compiled functions take the weights as their last arguments, used or not."""
-        given = arguments.shape[-1] + self.looked_up
+        own, numbers = arguments.shape[-1], len(self.numbers)
+        given = own + numbers + self.looked_up
         full = np.zeros((*arguments.shape[:-1], given + self.outputs))
-        full[..., : arguments.shape[-1]] = arguments
+        full[..., :own], full[..., own : own + numbers] = arguments, self.numbers
         if weights is not None:
             full[..., given:] = weights
         flat = full.reshape(-1, full.shape[-1])

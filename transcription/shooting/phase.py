@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from typing import Any
 
 import numpy as np
 
+from ..collocation.forms import form_of_phase
 from ..layout import Layout
+from ..method_kind import TIMES
 from ..program.direct import Direct
 from ..program.pointwise import PointFunctions
 from ..schemes.segment import Group
@@ -19,7 +22,14 @@ class PhaseProgram:
     """One phase: its groups of segments, its functions of the ends, and where everything goes."""
 
     def __init__(
-        self, layout: Layout, rows: PhaseRows, parameters: np.ndarray, names: list[str], seconds: dict, m: int
+        self,
+        layout: Layout,
+        rows: PhaseRows,
+        parameters: np.ndarray,
+        names: list[str],
+        seconds: dict,
+        m: int,
+        values_only: bool,
     ) -> None:
         phase, mesh = layout.phase, layout.mesh
         self.layout, self.rows, self.phase = layout, rows, phase
@@ -31,8 +41,9 @@ class PhaseProgram:
         split = ([*point, "t", STEP], []) if free else (point, ["t", STEP])
         integrands = [*([phase.lagrange] if phase.lagrange else []), *(c.function for c in phase.integral)]
         scaled = [_times_step(f) for f in [*(state.rate for state in phase.states), *integrands]]
-        dynamics = PointFunctions(scaled, *split, seconds)
-        path = PointFunctions([c.function for _, c in path_constraints(phase)], *split, seconds)
+        self.numbers = form_of_phase(phase, values_only).data
+        dynamics = PointFunctions(scaled, *split, seconds, self.numbers)
+        path = PointFunctions([c.function for _, c in path_constraints(phase)], *split, seconds, self.numbers)
         sizes = self.n, len(phase.inputs), len(names)
         self.groups = []
         for group in mesh.groups:
@@ -70,9 +81,18 @@ class PhaseProgram:
         for end, place, value in zip(("initial", "final"), layout.t.tolist(), self.t_fixed, strict=True):
             (data if place < 0 else variables).append((f"t[{end}]", place, value))
         functions = [*(c.function for c in phase.boundary), *([phase.mayer] if phase.mayer else [])]
-        compiled = PointFunctions(functions, [v[0] for v in variables], [v[0] for v in data], seconds)
+        compiled = PointFunctions(functions, [v[0] for v in variables], [v[0] for v in data], seconds, self.numbers)
         _, columns, fixed = zip(*variables, *data, strict=True)
         return Direct(compiled, np.array(columns), np.array(fixed), rows[: len(functions)])
+
+    def with_number(self, name: str, value: float) -> PhaseProgram:
+        """The same with another number, good for values only: of a parameter that is data, or of a given time."""
+        other = copy(self)
+        other.groups = [group.with_number(name, value) for group in self.groups]
+        # the path constraints at the final point have the time there among their arguments
+        other.final = self.final.with_number("t" if name == TIMES[1] else name, value)
+        other.ends = self.ends.with_number(name, value)
+        return other
 
     def move(self, z: np.ndarray) -> None:
         self.z = z

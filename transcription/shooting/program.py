@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from copy import copy
+from functools import partial
+
 import numpy as np
 
 from ...problems.problem import Range
+from ..collocation.forms import form_of_phase
 from ..engines.outcome import Outcome
+from ..method_kind import TIMES, Number, Numbers
 from ..program.contract import callback
 from .phase import PhaseProgram
 from .rows import Rows, ShootingTranscription
 
 
 class ShootingNLP:
-    """The callbacks, numbers and names of `compiler.CompiledNLP`, for a transcription by shooting."""
+    """The callbacks, numbers and names of `compiler.CompiledNLP`, for a transcription by shooting.
 
-    def __init__(self, transcription: ShootingTranscription) -> None:
+    values_only: as of `structure.form_of`.
+    """
+
+    def __init__(self, transcription: ShootingTranscription, values_only: bool = False) -> None:
+        self.transcription, self.values_only = transcription, values_only
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.sense = len(transcription.variables), transcription.problem.sense
         self._components: list[Rows] = [family.component for family in transcription.families]
@@ -25,12 +34,32 @@ class ShootingNLP:
             self.cl[component.rows], self.cu[component.rows] = bounds.lower, bounds.upper
         names = [p.name for p in transcription.problem.parameters]
         self._phases = [
-            PhaseProgram(layout, rows, transcription.parameters, names, self.seconds, self.m)
+            PhaseProgram(layout, rows, transcription.parameters, names, self.seconds, self.m, values_only)
             for layout, rows in zip(transcription.phases, transcription.rows, strict=True)
         ]
         self._z = np.full(self.n, np.nan)
         self._jacobian = _Places([place for phase in self._phases for place in phase.jacobian_places()])
         self._hessian = _Places([place for phase in self._phases for place in phase.hessian_places()])
+
+    def numbers(self) -> Numbers:
+        """The given times of each phase, and the parameters of the file that are data; what is literal, is data in a
+        program of values only."""
+        found: dict[tuple[str, str], Number] = {}
+        most = [form_of_phase(own.phase, values_only=True).data.keys() - own.numbers.keys() for own in self._phases]
+        if any(most) and not self.values_only:
+            found |= ShootingNLP(self.transcription, values_only=True).numbers()
+        for i, own in enumerate(self._phases):
+            times = zip(TIMES, (own.phase.initial_time, own.phase.final_time), own.layout.t, strict=True)
+            values = {**own.numbers, **{name: bounds.lower for name, bounds, place in times if place < 0}}
+            for name, value in values.items():
+                found[own.phase.name, name] = Number(value, partial(self._replaced, i, name))
+        return found
+
+    def _replaced(self, phase: int, name: str, value: float) -> ShootingNLP:
+        other = copy(self)
+        other._z = np.full(self.n, np.nan)
+        other._phases = [p.with_number(name, value) if i == phase else copy(p) for i, p in enumerate(self._phases)]
+        return other
 
     def rows(self, component: Rows) -> np.ndarray:
         """The row numbers of one group of constraints, in the order of their times."""

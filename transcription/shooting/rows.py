@@ -90,7 +90,8 @@ def by_shooting(
 
     for phase, mesh, start in zip(problem.phases, meshes, guess, strict=True):
         phases.append(_lay_out(phase, mesh, start, place))
-    parameters = [place(p.bounds, guess[0].parameters[p.name]) for p in problem.parameters]
+    values = problem.start_of_parameters(guess)
+    parameters = [place(p.bounds, values[p.name]) for p in problem.parameters]
     next_row = 0
     for phase, mesh in zip(problem.phases, meshes, strict=True):
         builder = _RowBuilder(phase, mesh, next_row)

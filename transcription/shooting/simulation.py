@@ -17,11 +17,13 @@ Nothing depends on controls to come, which stand last in y: substep i takes its 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..method_kind import TIMES
 from ..program.pointwise import PointFunctions
 from ..schemes.mesh import Mesh
 from ..schemes.runge_kutta import Shooting, shooting_scheme
@@ -78,6 +80,16 @@ class Segments:
             V[..., -2, n], V[..., -2, n + 1] = 1 - times, times
             V[..., -1, n], V[..., -1, n + 1] = -step, step
         return V
+
+    def with_number(self, name: str, value: float) -> Segments:
+        """The same with another number: of a parameter that is data, or of a given time. It shares the arrays of
+        tangents, so it is good for values only."""
+        other = copy(self)
+        other.dynamics, other.path = self.dynamics.with_number(name, value), self.path.with_number(name, value)
+        if name in TIMES:
+            other.fixed = self.fixed.copy()
+            other.fixed[self.n + TIMES.index(name)] = value
+        return other
 
     # -- values ----------------------------------------------------------------------------------------------------
 

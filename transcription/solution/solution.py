@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from ...problems.problem import Problem
 from ...problems.text import short_repr
@@ -11,6 +12,7 @@ from ..engines.outcome import Outcome, Status
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
+from .sensitivity import Sensitivities
 from .trajectory import Trajectory
 from .violation import Violation
 
@@ -75,7 +77,7 @@ class Solution:
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
-    on the way to this problem, itself the last.
+    on the way to this problem, itself the last. sensitive: computes `sensitivities`.
     """
 
     problem: Problem
@@ -94,6 +96,12 @@ class Solution:
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
     continuation: tuple[ContinuationStep, ...] = ()
+    sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
+
+    @cached_property
+    def sensitivities(self) -> Sensitivities:
+        """How the objective changes with the numbers of the file; computed when it is asked for."""
+        return self.sensitive()
 
     @property
     def solved(self) -> bool:

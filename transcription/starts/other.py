@@ -95,6 +95,7 @@ def under_controls(phase: Phase, guess: Guess, controls: Mapping[str, np.ndarray
     guess: its times and initial states are kept.
     controls: name of each -> its values at POINTS equally spaced times, shape (POINTS,).
     """
+    guess = replace(guess, parameters={**guess.parameters, **phase.times_in(guess)})
     s = np.linspace(0.0, 1.0, POINTS)
     values = guess.samples(s) | dict(controls)
     if not phase.algebraic:

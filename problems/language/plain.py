@@ -1,0 +1,23 @@
+"""All that the language adds to plain expressions, taken out of a spec in turn."""
+
+from __future__ import annotations
+
+from ..schema.spec import Spec
+from ..yaml.locations import Finding
+from .functions import without_functions
+from .times import times_as_parameters
+
+
+def shared_in_plain(spec: Spec) -> tuple[Spec, list[Finding]]:
+    """The spec of a file, for what its top level says of several phases, and what is wrong with calls of functions."""
+    return without_functions(spec)
+
+
+def in_plain(spec: Spec, suffix: str = "") -> tuple[Spec, list[Finding]]:
+    """The spec of one phase in plain expressions, and what is wrong with calls of functions.
+
+    spec: as the schema has passed it.
+    suffix: of the names of parameters that are made for it, different for each phase.
+    """
+    spec, mistaken = without_functions(spec)
+    return times_as_parameters(spec, suffix), mistaken

@@ -1,0 +1,163 @@
+"""The units of one phase: what those of its names are, and whether all that is said of it fits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from ..expressions.tree import rate_of
+from ..models import find_model
+from ..names.occurrences import constraints, uses
+from ..names.symbols import Symbols
+from ..names.variables import DeclaredState
+from ..schema.spec import Spec
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+from .infer import Reader, Tables, Value
+from .measure import Measure, measured, same
+
+
+class Term(NamedTuple):
+    """A term of the objective and its unit."""
+
+    path: Path
+    value: Value
+
+
+class PhaseUnits:
+    """Reads all expressions of a phase.
+
+    findings: what does not fit, as far as it was looked at. unknown: path of each unit that is none -> its text.
+    """
+
+    def __init__(self, spec: Spec):
+        self.spec, self.symbols = spec, Symbols(spec)
+        self.unknown: dict[Path, str] = {}
+        self._derived: dict[str, Value] = {}
+        self._open: set[str] = set()
+        self.time = self.unit(("time", "unit"), spec.time.unit)
+        tables = {name: self._table(name) for name in spec.tables}
+        symbols = self.symbols
+        self.reader = Reader(lambda name: self.of(name.name), tables, symbols.constant_value, symbols.is_constant)
+        self.declared = self._declared()
+
+    @property
+    def findings(self) -> list[Finding]:
+        return self.reader.findings
+
+    def of(self, name: str) -> Value:
+        """The unit of a name of the file; of what has none but follows from others, the one that follows."""
+        if name == "t":
+            return replace(self.time, clock=True) if isinstance(self.time, Measure) else None
+        if name in self.declared:
+            return self.declared[name]
+        if name in self._derived or name in self._open:
+            return self._derived.get(name)
+        self._open.add(name)
+        for section in ("parameters", "expressions"):
+            if (entry := getattr(self.spec, section).get(name)) is not None:
+                value = self.reader.read((section, name), entry.value)
+                self._derived[name] = value if isinstance(value, Measure) else None
+        return self._derived.get(name)
+
+    def unit(self, path: Path, text: str) -> Measure | None:
+        """What a text at a path means."""
+        if not text:
+            return None
+        measure = measured(text)
+        if measure is None:
+            self.unknown[path] = text
+        return measure
+
+    def _table(self, name: str) -> Tables:
+        entry = self.spec.tables[name]
+        path: Path = ("tables", name)
+        axes = [(axis, self.unit((*path, "units", axis), (entry.units or {}).get(axis, ""))) for axis in entry.axes]
+        return Tables(axes, self.unit((*path, "unit"), entry.unit))
+
+    def _declared(self) -> dict[str, Value]:
+        """The units of all names that have one."""
+        spec, units = self.spec, dict[str, Value]()
+        model = find_model(spec.model) if spec.model else None
+        for section in ("parameters", "expressions", "optimize"):
+            for name, entry in getattr(spec, section).items():
+                if entry.unit:
+                    units[name] = self.unit((section, name, "unit"), entry.unit)
+        for name, quantity in model.parameters.items() if model else ():
+            own, meant = units.get(name), measured(quantity.unit) if quantity.unit else None
+            if isinstance(own, Measure) and meant is not None and not same(own, meant):
+                self.reader.clash(
+                    ("parameters", name), f"the model asks for {name} {meant.told}, and it is {own.told}", own, meant
+                )
+        for variable in (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic):
+            if isinstance(variable, DeclaredState) and variable.velocity_of and not variable.entry.unit:
+                units[variable.name] = self._per_time(units[variable.velocity_of])
+            elif "[" not in variable.name:
+                units[variable.name] = self.unit((*variable.path, "unit"), variable.unit)
+        units |= {rate_of(s.name): self._per_time(units[s.name]) for s in self.symbols.states if s.implicit}
+        return units
+
+    def _per_time(self, value: Value) -> Measure | None:
+        return value.over(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None
+
+    def check(self) -> list[Term]:
+        """Look at everything that is said. Returns the terms of the objective."""
+        for section in ("parameters", "expressions"):
+            for name, entry in getattr(self.spec, section).items():
+                if name in self.declared:
+                    self.reader.agree((section, name), entry.value, self.declared[name], f"{name} is said to be")
+                else:
+                    self.of(name)
+        for state in self.symbols.states:
+            self._state(state)
+        for variable in (*self.symbols.controls, *self.symbols.algebraic):
+            self.reader.bounds(variable.path, variable.entry, self.declared.get(variable.name), variable.name)
+        for name, static in self.spec.optimize.items():
+            self.reader.bounds(("optimize", name), static, self.declared.get(name), name)
+        for end in ("initial", "final"):
+            self.reader.bounds(("time", end), getattr(self.spec.time, end), self.time, "time")
+        self._constraints()
+        self._guess()
+        return list(self._objective())
+
+    def _state(self, state: DeclaredState) -> None:
+        own = self.declared.get(state.name)
+        self.reader.bounds(state.path, state.entry, own, state.name)
+        for end in ("initial", "final"):
+            self.reader.bounds((*state.path, end), getattr(state.entry, end), own, state.name)
+        if state.rate is None or state.implicit:
+            return
+        path = state.rate_path or (*state.path, "velocity")
+        self.reader.agree(path, state.rate, self._per_time(own), f"the rate of {state.name} is")
+
+    def _constraints(self) -> None:
+        for use in uses(self.spec):
+            if use.path[0] == "residuals":
+                self.reader.read(use.path, use.expression)
+        for path, constraint in constraints(self.spec):
+            value = self.reader.read((*path, "expression"), constraint.expression)
+            if path[1] == "integral":
+                value = self._over_time(value)
+            self.reader.bounds(path, constraint, value, "the integral" if path[1] == "integral" else "the expression")
+
+    def _guess(self) -> None:
+        guess = self.spec.guess
+        for key, given in (("constants", guess.constants), ("formulas", guess.formulas), ("simulate", guess.simulate)):
+            for name, value in (given or {}).items():
+                self.reader.agree(("guess", key, name), value, self.declared.get(name), f"{name} is")
+        for name, row in guess.keyframes.items():
+            wanted = self.time if name == "time" else self.declared.get(name)
+            for i, value in enumerate(row):
+                self.reader.agree(("guess", "keyframes", name, i), value, wanted, f"{name} is")
+
+    def _objective(self) -> Iterator[Term]:
+        terms, path = self.spec.objective.terms, ("objective", self.spec.objective.sense)
+        if terms.integral is not None:
+            value = self.reader.read((*path, "integral"), terms.integral)
+            yield Term((*path, "integral"), self._over_time(value))
+        if terms.terminal is not None:
+            yield Term((*path, "terminal"), self.reader.read((*path, "terminal"), terms.terminal))
+
+    def _over_time(self, value: Value) -> Measure | None:
+        return value.times(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None

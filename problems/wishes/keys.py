@@ -1,0 +1,295 @@
+"""Keys that a problem file does not have: those of other tools, and what does their work here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+from ..text import nearest
+from ..yaml.document import Path
+from .lines import entry, flow
+
+
+class Wish(NamedTuple):
+    """What stands for a key. key: of the same mapping, "" if its work is done elsewhere. what: a remark on the word.
+    line: as it should be written."""
+
+    key: str
+    what: str
+    line: str
+
+
+_BOUNDS = {
+    "lower": "min minimum lb lower_bound lbound low least",
+    "upper": "max maximum ub upper_bound ubound high most",
+}
+_RENAMED = {
+    "file": {
+        "parameters": "params param constants constant consts const",
+        "expressions": "definitions aliases intermediate intermediates auxiliary",
+        "states": "state state_variables",
+        "controls": "inputs input control control_variables actuators",
+        "optimize": "static static_parameters design_parameters free_parameters unknowns decision",
+        "objective": "cost costs cost_function objective_function goal criterion loss",
+        "constraints": "subject_to events boundary_conditions path_constraints boundary_constraints conditions",
+        "guess": "guesses initial_guess initialization init warm_start",
+        "solver": "options ipopt solver_options nlp nlp_options",
+        "links": "linkages linkage linkage_constraints",
+        "phases": "phase stages",
+        "scaling": "scale scales scaling_factors",
+        "continuation": "homotopy",
+    },
+    "time": {
+        "initial": "t0 t_0 start begin from initial_time t_initial",
+        "final": "tf t_f T end stop to final_time t_final duration length horizon",
+    },
+    "state": {
+        "rate": "dxdt dot derivative deriv der ode equation eq dynamics xdot dx rhs expression expr f",
+        "accel": "ddot acceleration second_derivative xddot",
+        "initial": "start x0 begin from ic initial_value",
+        "final": "end xf to goal target final_value stop",
+        **_BOUNDS,
+    },
+    "control": _BOUNDS,
+    "static": {**_BOUNDS, "guess": "initial init start value x0"},
+    "end": {**_BOUNDS, "value": "equals equal fixed"},
+    "objective": {"minimize": "minimise min", "maximize": "maximise max"},
+    "terms": {
+        "integral": "lagrange running running_cost stage stage_cost integrand path integrated",
+        "terminal": "mayer final end endpoint terminal_cost end_cost final_cost boundary",
+    },
+    "constraints": {
+        "path": "inequality inequalities equality equalities nonlinear trajectory",
+        "boundary": "terminal final initial event events endpoint boundary_conditions ends",
+        "integral": "isoperimetric integrals",
+    },
+    "constraint": {**_BOUNDS, "expression": "expr function formula", "equals": "equal eq value"},
+    "mesh": {
+        "segments": "nodes intervals N n points steps elements num_segments n_segments num_intervals",
+        "degree": "order colpoints collocation_points points_per_segment polynomial_degree",
+        "method": "scheme transcription",
+        "tolerance": "tol",
+    },
+    "refine": {"tolerance": "tol error eps", "max_meshes": "max_iter iterations max_iterations meshes"},
+    "guess": {},
+}
+"""Kind of mapping -> a key of it -> words that mean the same elsewhere."""
+
+_INCLUDED = "its lines here; a part that is used twice once, as x: &shared {unit: m}, and then as y: *shared"
+_OUTPUT = "expressions: {power: {value: u*v, unit: W}}, which is stored and drawn, for it has a unit"
+_TABLE = "tables: {rho: {points: {h: [0, 1e4, 2e4]}, values: [1.2, 0.4, 0.09]}}, and rho(h) in an expression"
+_FREE_TIME = "final: {lower: 0.1, upper: 10, guess: 1}"
+
+Line = Callable[[Any, Path], str]
+"""(the value that was given, the path of the key) -> the line."""
+
+
+def _name(path: Path) -> str:
+    """Of the variable that a key belongs to."""
+    return str(path[-2])
+
+
+def _guess(value: Any, path: Path) -> str:
+    many = isinstance(value, list)
+    return f"guess: {{{'keyframes' if many else 'constants'}: {{{entry(_name(path), value)}}}}} at the left margin"
+
+
+def _guess_of_name(value: Any, path: Path) -> str:
+    kind = "keyframes" if isinstance(value, list) else "formulas" if isinstance(value, str) else "constants"
+    return f"{kind}: {{{entry(str(path[-1]), value)}}}"
+
+
+def _dynamics(value: Any, path: Path) -> str:
+    rates = value if isinstance(value, dict) and value else {"x": "v"}
+    shown = list(rates.items())[:2]
+    more = ", ..." if len(rates) > len(shown) else ""
+    return "states: {" + ", ".join(f"{name}: {{{entry('rate', rate)}}}" for name, rate in shown) + more + "}"
+
+
+def _terms(value: Any, path: Path) -> str:
+    sense = "maximize" if str(path[-1]).startswith("max") else "minimize"
+    return f"objective: {{{sense}: {terms(value)}}}"
+
+
+def terms(value: Any) -> str:
+    """The terms of an objective for what is given in their place."""
+    if isinstance(value, dict):
+        return flow(value)
+    text = str(value).strip()
+    if text in ("time", "t", "T", "tf", "t_f"):
+        text = "t[final]"
+    return "{" + entry("terminal" if "[" in text else "integral", text) + "}"
+
+
+def _control_end(value: Any, path: Path) -> str:
+    end = "initial" if path[-1] in ("initial", "start") else "final"
+    return f'constraints: {{boundary: [{{expression: "{_name(path)}[{end}]", {entry("equals", value)}}}]}}'
+
+
+def _periodic(value: Any, path: Path) -> str:
+    names = value if isinstance(value, list) and value else ["x"]
+    return f'boundary: [{{expression: "{names[0]}[final] - {names[0]}[initial]", equals: 0}}]'
+
+
+_ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
+    ("file", "outputs output observables derived"): ("what is looked at is a named expression", _OUTPUT),
+    ("file", "include includes import imports extends inherit inherits base"): ("a file stands by itself", _INCLUDED),
+    ("file", "interp interpolation interpolant interpolants lookup lookup_tables spline splines lut"): (
+        "data stand in tables",
+        _TABLE,
+    ),
+    ("file", "dynamics odes ode equations rates derivatives rhs system differential_equations"): (
+        "each state has its rate beside it",
+        _dynamics,
+    ),
+    ("file", "minimize minimise maximize maximise"): ("the objective is a section", _terms),
+    ("file", "lagrange running_cost"): (
+        "the integral of the objective",
+        lambda value, _: f"objective: {{minimize: {{{entry('integral', value)}}}}}",
+    ),
+    ("file", "mayer terminal_cost"): (
+        "the terminal term of the objective",
+        lambda value, _: f"objective: {{minimize: {{{entry('terminal', value)}}}}}",
+    ),
+    ("file", "tf t_f T t_final final_time duration horizon"): (
+        "times stand in one section",
+        lambda value, _: f"time: {{initial: 0, {entry('final', value)}}}",
+    ),
+    ("file", "t0 t_0 t_initial initial_time"): (
+        "times stand in one section",
+        lambda value, _: f"time: {{{entry('initial', value)}, final: 1}}",
+    ),
+    ("file", "x0 xf ic initial final initial_state final_state initial_conditions final_conditions"): (
+        "each state has its ends beside it",
+        "states: {x: {rate: v, initial: 0, final: 1}}",
+    ),
+    ("file", "bounds limits"): ("each variable has its bounds beside it", "controls: {u: {lower: -1, upper: 1}}"),
+    ("file", "variables"): ("variables are states or controls", "states: {x: {rate: u}} and controls: {u: {}}"),
+    ("file", "method"): (
+        "the method belongs to a mesh",
+        lambda value, _: f"mesh: [{{{entry('method', value)}, segments: 20}}]",
+    ),
+    ("file", "segments nodes intervals N n num_segments grid"): (
+        "the number of segments belongs to a mesh",
+        lambda value, _: f"mesh: [{{method: hermite-simpson, {entry('segments', value)}}}]",
+    ),
+    ("file", "tolerance tol"): (
+        "a tolerance of the error belongs to refinement",
+        lambda value, _: f"refine: {{{entry('tolerance', value)}}}",
+    ),
+    ("state", "guess init initial_guess"): ("guesses stand in one section", _guess),
+    ("control", "guess init initial_guess value default"): ("guesses stand in one section", _guess),
+    ("control", "initial start"): ("the value of a control at an end is a boundary constraint", _control_end),
+    ("control", "final end"): ("the value of a control at an end is a boundary constraint", _control_end),
+    ("control", "rate rate_limit slew max_rate"): (
+        "to limit how fast a control changes, make it a state, whose rate is a control",
+        lambda _, path: (
+            f"states: {{{_name(path)}: {{rate: d{_name(path)}}}}} and "
+            f"controls: {{d{_name(path)}: {{lower: -1, upper: 1}}}}"
+        ),
+    ),
+    ("state", "free fixed"): ("an end that is left out is free", "initial: 0 or final: 1 for those that are given"),
+    ("state", "scale scaling nominal ref"): (
+        "sizes stand in one section",
+        lambda value, path: f"scaling: {{{entry(_name(path), value)}}} at the left margin",
+    ),
+    ("time", "free guess lower upper min max"): ("a free time has a range and a guess", _FREE_TIME),
+    ("control", "type integer discrete binary"): (
+        "every control is a number at every time, not a choice",
+        "lower: 0, upper: 1, and look at whether it is at its bounds",
+    ),
+    ("constraints", "periodic periodicity cyclic"): ("a period is a condition at the ends", _periodic),
+    ("guess", "result from"): (
+        "an earlier result is given on the command line",
+        lambda value, _: f"trajopt solve FILE --guess {value if isinstance(value, str) else 'RESULT.h5'}",
+    ),
+    ("objective", "lagrange running running_cost integral stage_cost"): (
+        "its terms stand under minimize: or maximize:",
+        lambda value, _: f"minimize: {{{entry('integral', value)}}}",
+    ),
+    ("objective", "mayer terminal final end terminal_cost"): (
+        "its terms stand under minimize: or maximize:",
+        lambda value, _: f"minimize: {{{entry('terminal', value)}}}",
+    ),
+}
+"""(kind of mapping, words) -> what they are here, and the line that does it."""
+
+_RANGES = frozenset(("bounds", "bound", "range", "limits", "interval"))
+
+_WORDS = {
+    (kind, word): key
+    for kind, keys in _RENAMED.items()
+    for key, words in keys.items()
+    for word in words.split()
+}  # fmt: skip
+_LINES = {(kind, word): told for (kind, words), told in _ELSEWHERE.items() for word in words.split()}
+
+
+def key_wish(path: Path, value: Any) -> Wish | None:
+    """What is said of a key that its mapping does not have; None where the word is not known.
+
+    path: of the key.
+    value: that was given for it.
+    """
+    kind, word = _kind(path[:-1]), str(path[-1])
+    if (kind, word) in _LINES:
+        what, line = _LINES[kind, word]
+        told = line if isinstance(line, str) else line(value, path)
+        section = told.partition(":")[0]
+        return Wish(section if kind == "file" and section.isidentifier() else "", what, told)
+    if word in _RANGES and "lower" in _RENAMED.get(kind, ()):
+        ends = value if isinstance(value, list) and len(value) == 2 else [0, 1]
+        return Wish("", "", f"{entry('lower', ends[0])}, {entry('upper', ends[1])}")
+    if key := _WORDS.get((kind, word)):
+        line = entry(key, value)
+        return Wish(key, "", f"{key}: in place of {word}:" if line == f"{key}:" or kind == "file" else line)
+    if kind == "guess" and isinstance(value, int | float | list | str) and not isinstance(value, bool):
+        return Wish("", "the guess of one variable is of a kind", _guess_of_name(value, path))
+    return None
+
+
+def meant(path: Path, known: Iterable[str]) -> str | None:
+    """The key of its mapping that an unknown one stands for: its word here, or the one most like it.
+
+    path: of the unknown key.
+    known: the keys that the mapping may have.
+    """
+    keys, wish = list(known), key_wish(path, None)
+    if wish is not None:
+        return wish.key if wish.key in keys else None
+    return nearest(path[-1], keys)
+
+
+_KINDS: tuple[tuple[tuple[object, ...], str], ...] = (
+    ((), "file"),
+    (("states", str), "state"),
+    (("states", str, "velocity"), "state"),
+    (("controls", str), "control"),
+    (("algebraic", str), "control"),
+    (("optimize", str), "static"),
+    (("objective", "minimize"), "terms"),
+    (("objective", "maximize"), "terms"),
+    (("constraints", str, int), "constraint"),
+    (("links", int), "constraint"),
+    (("states", str, "initial"), "end"),
+    (("states", str, "final"), "end"),
+    (("time", "initial"), "end"),
+    (("time", "final"), "end"),
+    (("mesh", int), "mesh"),
+    *(((section,), section) for section in ("time", "objective", "constraints", "refine", "guess")),
+)
+"""Where a mapping stands, with a type for any key of it, and its kind."""
+
+
+def _kind(path: Path) -> str:
+    """The kind of mapping at a path."""
+    if len(path) >= 2 and path[0] == "phases":
+        path = path[2:]
+    return next((kind for place, kind in _KINDS if len(place) == len(path) and _fits(place, path)), "")
+
+
+def _fits(place: tuple[object, ...], path: Path) -> bool:
+    return all(
+        isinstance(key, wanted) if isinstance(wanted, type) else key == wanted
+        for wanted, key in zip(place, path, strict=True)
+    )

@@ -1,0 +1,125 @@
+"""Slips of punctuation: a comma or a bracket that ends a value in braces, spaces that are none, a brace left open."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import takewhile
+from typing import Any, NamedTuple
+
+import yaml
+
+from ..text import named, shorten
+
+_OPEN, _CLOSED = "([", ")]"
+_NUMBER = re.compile(r"[-+]?\d+")
+_UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?\[[^\]]*\][^,}\"']*)")
+_POWER = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?)\^\{([^}]*)\}")
+_ASSIGNED = re.compile(r"\s*([A-Za-z]\w*)('?)\s*=\s*([^=\s].*?)\s*")
+_NO_ENTRY = re.compile(r"(?:[^:#]|:(?=\S))*[^\s:#](?:[^:#]|:(?=\S))*")
+_GLUED = re.compile(r"\s*([A-Za-z]\w*):(\S.*)")
+_KEY_ALONE = re.compile(r"\s*[\w-]+\s*")
+
+MARKED = re.compile("[\u00a0\u1680\u2000-\u200f\u2028-\u202f\u205f-\u2064\u3000\ufeff]")
+"""Spaces that YAML takes for letters, and characters without a width."""
+
+
+_MARKED_ENTRY = re.compile(rf"[ \t]*(?:\w+:)?[ \t]*({MARKED.pattern})")
+
+
+class Slip(NamedTuple):
+    """what: the mistake. remedy: the line as it should be written. value: what was meant."""
+
+    what: str
+    remedy: str
+    value: Any
+
+
+def torn(key: str, value: Any, rest: Sequence[tuple[str, bool]]) -> tuple[Slip, int] | None:
+    """The slip of a value in braces that a comma has ended, and how many of the keys after it belong to it.
+
+    key, value: as YAML reads them.
+    rest: the keys that follow, and whether each has an empty value.
+    """
+    if value is None and (glued := _GLUED.fullmatch(key)):
+        return Slip("a colon needs a space after it", f"write {glued[1]}: {glued[2]}", None), 0
+    parts = [key for key, _ in takewhile(lambda own: own[1], rest)]
+    if not parts:
+        return None
+    if isinstance(value, int) and not isinstance(value, bool) and _NUMBER.fullmatch(parts[0]):
+        meant = f"{value}.{parts[0]}"
+        return Slip("a number has a point, not a comma", f"write {key}: {meant}", float(meant)), 1
+    return _joined(key, value, parts) if isinstance(value, str) else None
+
+
+def _joined(key: str, value: str, parts: Sequence[str]) -> tuple[Slip, int] | None:
+    """The value whose brackets close in one of the parts."""
+    text = value
+    for used, part in enumerate(parts, 1):
+        if _depth(text) <= 0:
+            break
+        text = f"{text}, {part}"
+        if _depth(text) == 0:
+            what = f'a comma ends a value in braces, so this one ends after "{shorten(value, 40)}"'
+            return Slip(what, f'put it in quotes: {key}: "{shorten(text, 120)}"', text), used
+    return None
+
+
+def _depth(text: str) -> int:
+    """How many brackets are open at the end of a text."""
+    return sum((letter in _OPEN) - (letter in _CLOSED) for letter in text)
+
+
+def strange(key: str) -> str | None:
+    """The first character of a key that looks like a space and is none."""
+    found = MARKED.search(key)
+    return found[0] if found else None
+
+
+def slips_of(problem: str, mark: yaml.Mark, lines: Sequence[str]) -> Iterator[tuple[int, str, str]]:
+    """What a person has done where YAML cannot be read: (index of the line, what, remedy), the likeliest first.
+
+    problem: in PyYAML's words.
+    mark: where it stopped.
+    lines: of the text.
+    """
+    number = min(mark.line, len(lines) - 1)
+    line = lines[number] if lines else ""
+    indent = line[: len(line) - len(line.lstrip())]
+    if "\t" in indent:
+        yield number, "a tab in the indentation", "indent with spaces, not with tabs"
+    if marked := next(((i, found) for i in range(number, -1, -1) if (found := _MARKED_ENTRY.match(lines[i]))), None):
+        yield marked[0], f"a character that looks like a space, {named(marked[1][1])}", "write plain spaces"
+    if power := _POWER.search(line):
+        remedy = f"write ** for a power: {power[1]}: {power[2].strip()}**{power[3]}"
+        yield number, "braces in a value, and ^ is no power", remedy
+    if unquoted := _UNQUOTED.search(line):
+        value = unquoted[2].strip()
+        yield number, "a bracket in a value that stands in braces", f'put it in quotes: {unquoted[1]}: "{value}"'
+    if "',' or '}'" in problem and _KEY_ALONE.fullmatch(line[: mark.column]) and number:
+        before = max((i for i in range(number) if lines[i].strip()), default=0)
+        if lines[before].count("{") > lines[before].count("}"):
+            yield before, "a brace that is not closed on its line", f"close it: {shorten(lines[before].strip(), 80)}}}"
+    if "could not find expected ':'" in problem:
+        yield from _without_colon(mark.line, lines)
+    if "mapping values are not allowed" in problem and number and _ASSIGNED.fullmatch(lines[number - 1]):
+        yield from _without_colon(number - 1, lines)
+
+
+def _without_colon(last: int, lines: Sequence[str]) -> Iterator[tuple[int, str, str]]:
+    """The line before, which is no entry."""
+    entries = [i for i in range(min(last + 1, len(lines))) if _NO_ENTRY.fullmatch(lines[i])]
+    if not entries:
+        return
+    number = entries[-1]
+    if glued := _GLUED.fullmatch(lines[number]):
+        yield number, "a colon needs a space after it", f"write {glued[1]}: {glued[2]}"
+        return
+    if assigned := _ASSIGNED.fullmatch(lines[number]):
+        name, prime, value = assigned.groups()
+        rate = re.fullmatch(r"(\w+?)_?dot|d(\w+?)_?dt", name)
+        state = name if prime else next(filter(None, rate.groups())) if rate else None
+        told = f"{state}: {{rate: {value}}}" if state else f"{name}: {value}"
+        yield number, "an entry has a colon, not =", f"write {told}"
+    else:
+        yield number, "an entry without a colon", "write each entry as key: value, and indent keys of one mapping alike"

@@ -1,0 +1,215 @@
+"""Curves of a result as plain data that `assets/charts.js` draws.
+
+A chart is {title, unit, note, x: {label, values, sync}, series: [{label, kind, colour, values}], log, bounds, marks,
+phases}. Values of all series stand at the same x; None where a series has none. kind is line, points, marked (a line
+with points) or steps. Charts of one `sync` are zoomed together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
+
+from ...problems.problem import Range
+from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
+
+Chart = dict[str, Any]
+Bounds = Mapping[str, Mapping[str, Range]]
+
+MOST_CHARTS = 150
+SAMPLES = 1500  # of one curve of one phase
+POINTS = 500  # of all phases, beyond which they would only hide the curve
+DIGITS = 7
+NEAR_TIMES = 1e-9  # of the duration: times that are one
+NEAR = 1.0  # ranges of the curve: a bound that is farther off is told in words
+
+
+def curves(result: Result, bounds: Bounds) -> dict[str, list[Chart]]:
+    """Kind -> a chart for each of its quantities, at most MOST_CHARTS in all.
+
+    bounds: phase -> name -> range, as `bounds_of` gives them; empty for none.
+    """
+    left = MOST_CHARTS
+    found: dict[str, list[Chart]] = {}
+    for kind in CURVE_KINDS:
+        names = result.names(kind)[:left]
+        left -= len(names)
+        if names:
+            found[kind] = [curve(result, kind, name, {} if kind == "costate" else bounds) for name in names]
+    return found
+
+
+def curve(result: Result, kind: str, name: str, bounds: Bounds) -> Chart:
+    """One quantity of all phases over time: the method's own interpolant, and the points of the mesh.
+
+    result: at least one of its phases has the quantity.
+    kind: one of CURVE_KINDS.
+    name: of the quantity; of a costate, that of its state.
+    bounds: as of `curves`.
+    """
+    phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
+    parts = [_samples(phase, phase.curves[kind][name]) for phase in phases]
+    x, line = (_joined([part[i] for part in parts], gap) for i, gap in ((0, False), (1, True)))
+    series = [_series(kind, "line", kind, line)]
+    if sum(len(phase.time) for phase in phases) <= POINTS:
+        for label, at_knot in (("knot", True), ("point inside a segment", False)):
+            marks = [
+                _at_points(part[0], phase, phase.curves[kind][name], at_knot)
+                for part, phase in zip(parts, phases, strict=True)
+            ]
+            if any(np.isfinite(values).any() for values in marks):
+                series.append(_series(label, "points", "ink" if at_knot else kind, _joined(marks, True)))
+    near, far = _bounds(phases, kind, name, bounds)
+    unit = phases[0].curves[kind][name].unit
+    chart = _chart(f"costate of {name}" if kind == "costate" else name, unit, _time(phases[0]), x, series)
+    return {**chart, "bounds": near, "note": far, "marks": _marks(phases), "phases": _edges(result.phases)}
+
+
+def errors(result: Result) -> list[Chart]:
+    """eta of every state by segment, and what each segment adds to the error bar of the objective."""
+    phases = result.phases
+    knots = _joined([phase.knots for phase in phases], False)
+    label = _time(phases[0])
+    by_state = [
+        _series(state, "steps", f"line{i}", _joined([_on_knots(p, p.eta.get(state)) for p in phases], True))
+        for i, state in enumerate(result.states)
+    ]
+    charts = [{**_chart("η of each state", "the state's unit", label, knots, by_state), "log": True}]
+    relative = [_on_knots(phase, phase.relative) for phase in phases]
+    charts.append(_by_segment("largest relative η", label, knots, relative, "state"))
+    if any(len(phase.shares) for phase in phases):
+        shares = [_on_knots(phase, phase.shares) for phase in phases]
+        charts.append(_by_segment("part of the error bar of the objective", label, knots, shares, "control"))
+    return [{**chart, "phases": _edges(phases)} for chart in charts]
+
+
+def _by_segment(title: str, label: str, knots: Sequence[float | None], parts: list[np.ndarray], colour: str) -> Chart:
+    steps = _series(title, "steps", colour, _joined(parts, True))
+    return {**_chart(title, "", label, knots, [steps]), "log": True}
+
+
+def convergence(result: Result) -> list[Chart]:
+    """What the solver reported at each iteration."""
+    told = result.iterations
+    if not len(told.get("iteration", ())):
+        return []
+    number = numbers_of(np.arange(len(told["iteration"])))
+    shown = {
+        "infeasibility and barrier": ("primal_infeasibility", "dual_infeasibility", "mu"),
+        "objective": ("objective",),
+        "step": ("step_norm",),
+        "step length": ("primal_step", "dual_step"),
+    }
+    charts = []
+    for title, names in shown.items():
+        series = [
+            _series(name.replace("_", " "), "line", f"line{i}", numbers_of(told[name]))
+            for i, name in enumerate(names)
+            if name in told
+        ]
+        if series:
+            log = title not in ("objective", "step length")
+            charts.append({**_chart(title, "", "record", number, series, sync=""), "log": log})
+    return charts
+
+
+def numbers_of(values: Iterable[float | None]) -> list[float | None]:
+    """Numbers of some digits; None for what is not finite."""
+    return [float(f"{v:.{DIGITS}g}") if v is not None and isfinite(v) else None for v in values]
+
+
+def _chart(
+    title: str, unit: str, label: str, x: Sequence[float | None], series: list[dict[str, Any]], sync: str = "time"
+) -> Chart:
+    unit = "" if unit == "1" else unit
+    over = {"label": label, "values": x, "sync": sync}
+    empty = {"log": False, "note": "", "bounds": [], "marks": [], "phases": []}
+    return {"title": title, "unit": unit, "x": over, "series": series, **empty}
+
+
+def _series(label: str, kind: str, colour: str, values: Sequence[float | None]) -> dict[str, Any]:
+    return {"label": label, "kind": kind, "colour": colour, "values": values}
+
+
+def _time(phase: PhaseCurves) -> str:
+    return f"time [{phase.time_unit}]" if phase.time_unit not in ("", "1") else "time"
+
+
+def _samples(phase: PhaseCurves, own: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values of the dense curve, thinned to what a screen can show, and the points of the mesh among them."""
+    kept = _thinned(own.dense)
+    points = phase.time if len(phase.time) <= POINTS else phase.time[:0]
+    times = np.union1d(phase.dense_time[kept], points)
+    apart = np.diff(times, prepend=-np.inf) > NEAR_TIMES * abs(
+        phase.knots[-1] - phase.knots[0]
+    )  # the same but for rounding
+    return times[apart], np.interp(times[apart], phase.dense_time, own.dense)
+
+
+def _thinned(values: np.ndarray) -> np.ndarray:
+    """Indices of the least and the largest of every few values, so that no spike is lost; all of a short curve."""
+    if len(values) <= SAMPLES:
+        return np.arange(len(values))
+    parts = np.array_split(np.arange(len(values)), SAMPLES // 2)
+    finite = np.nan_to_num(values, nan=0.0)
+    ends = [0, len(values) - 1]
+    return np.unique([*ends, *(part[i] for part in parts for i in (finite[part].argmin(), finite[part].argmax()))])
+
+
+def _at_points(times: np.ndarray, phase: PhaseCurves, own: Curve, at_knot: bool) -> np.ndarray:
+    """The values at the points that are knots, or that are none, NaN at all other times."""
+    values = np.full(len(times), np.nan)
+    wanted = phase.at_knot == at_knot
+    middles = (times[1:] + times[:-1]) / 2
+    values[np.searchsorted(middles, phase.time[wanted])] = own.points[wanted]
+    return values
+
+
+def _on_knots(phase: PhaseCurves, values: np.ndarray | None) -> np.ndarray:
+    """Values of segments at the segments' left ends, the last one again at the right end; shape (N + 1,)."""
+    if values is None or not len(values):
+        return np.full(len(phase.knots), np.nan)
+    return np.append(values, values[-1])
+
+
+def _joined(parts: Sequence[np.ndarray], gap: bool) -> list[float | None]:
+    """The phases one after the other, with one place between them: a gap in a curve, the same time again in times."""
+    joined: list[float | None] = []
+    for part in parts:
+        if joined:
+            joined.append(None if gap else joined[-1])
+        joined += numbers_of(part)
+    return joined
+
+
+def _bounds(phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> tuple[list[dict[str, float]], str]:
+    """The bounds that are drawn, each over its phase, and those that are far off, in words."""
+    values = np.concatenate([phase.curves[kind][name].dense for phase in phases])
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+    reach = NEAR * (high - low) or max(abs(low), 1.0) / 10
+    near, far = [], []
+    for phase in phases:
+        own = bounds.get(phase.name, {}).get(name, Range())
+        for value, gap, arrow in ((own.lower, low - own.lower, "≥"), (own.upper, own.upper - high, "≤")):
+            if gap <= reach:
+                near.append({"value": value, "from": float(phase.knots[0]), "to": float(phase.knots[-1])})
+            elif gap < inf:
+                far.append(f"{arrow} {value:.4g}".replace("-", "\N{MINUS SIGN}"))
+    return near, "bounds " + " and ".join(dict.fromkeys(far)) if far else ""
+
+
+def _marks(phases: Sequence[PhaseCurves]) -> list[float | None]:
+    """The segments' edges, if they can be told apart."""
+    knots = np.concatenate([phase.knots for phase in phases])
+    return numbers_of(knots) if len(knots) <= POINTS else []
+
+
+def _edges(phases: Sequence[PhaseCurves]) -> list[dict[str, Any]]:
+    """Names and times of several phases."""
+    if len(phases) < 2:
+        return []
+    return [{"name": p.name, "from": float(p.knots[0]), "to": float(p.knots[-1])} for p in phases]

@@ -1,0 +1,1 @@
+"""Pages of results and sweeps: what stands in them, and what a browser makes of them."""
