@@ -20,14 +20,9 @@ from .schema.solving import DEFAULT_METHOD, DEFAULT_SEGMENTS, ENGINES, Solver
 from .schema.spec import Spec
 from .schema.tables import called_names
 from .tables.files import read_files
-<<<<<<< HEAD
-from .text import brief, nearest, printable
-from .yaml.document import MAX_BYTES, decode, dotted, read_document, scalar
-=======
 from .text import brief, printable
 from .wishes.keys import meant
-from .yaml.document import MAX_BYTES, decode, dotted, read_document
->>>>>>> main
+from .yaml.document import MAX_BYTES, decode, dotted, read_document, scalar
 from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override

@@ -78,12 +78,8 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
-<<<<<<< HEAD
         checker.errors += too_large(spec, checker.symbols)
-        checker.warnings += unused(spec, checker.symbols)
-=======
         checker.warnings += unused(spec, checker.symbols, called)
->>>>>>> main
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     return checker.errors, checker.warnings
 
