@@ -6,7 +6,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from errno import ESRCH
+from errno import ELOOP, ESRCH
 from functools import cache
 from pathlib import Path
 
@@ -48,8 +48,13 @@ def check_not_protected(path: Path) -> None:
 
 
 def followed(path: Path) -> Path:
-    """The file that a name means: a symbolic link is kept, and what it points to is written."""
-    return Path(os.path.realpath(path)) if path.is_symlink() else path
+    """The file that a name means: a symbolic link is kept, and what it points to is written. Raises OSError."""
+    if not path.is_symlink():
+        return path
+    meant = Path(os.path.realpath(path))
+    if meant.is_symlink():
+        raise OSError(ELOOP, os.strerror(ELOOP), str(path))
+    return meant
 
 
 @contextmanager

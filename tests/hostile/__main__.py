@@ -12,7 +12,10 @@ from pathlib import Path
 
 from . import problem_files
 from .campaign import COMMANDS, campaign
+from .disks import CASES
+from .disks import runs as of_disks
 from .files import OLD, RESULTS, always, bad_files, good_results
+from .moments import runs as of_moments
 from .processes import Count, Run, preload
 
 
@@ -29,8 +32,21 @@ def problems(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
         yield problem_files.runs(text, folder)
 
 
-KINDS = {"results": (results, 1500), "problems": (problems, 2000)}
-"""Name -> the runs of each file, and how many files."""
+def moments(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    yield from (iter([run]) for run in of_moments(told.files, told.seed, folder))
+
+
+def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    yield from (iter([run]) for run in of_disks(CASES[: told.files], folder))
+
+
+KINDS = {
+    "results": (results, 1500),
+    "problems": (problems, 2000),
+    "moments": (moments, 300),
+    "disks": (disks, len(CASES)),
+}
+"""Name -> the runs of each file, moment or case, and how many of them."""
 
 
 def main() -> int:
