@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 from .expressions.expression import Expression
+from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
-from .names.occurrences import constraint_names, constraints, residual_names
+from .measured import measured
+from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
@@ -19,7 +21,7 @@ from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
 from .phases.order import own_entries, with_left_out
-from .problem import Constraint, Function, Output, Phase, Problem, Range, State, Variable
+from .problem import Complementarity, Constraint, Function, Output, Phase, Problem, Range, State, Variable
 from .schema.fields import Bounded
 from .schema.spec import Spec
 from .yaml.document import Path
@@ -103,7 +105,7 @@ class _Builder:
         states = tuple(map(self.state, symbols.states))
         controls = (*map(self.variable, symbols.controls), *rewritten.controls)
         algebraic = tuple(map(self.variable, symbols.algebraic))
-        written = self.written_constraints()
+        written, products = self.written_constraints(), list(self.products())
         phase = Phase(
             name=self.name,
             initial_time=times[0],
@@ -115,7 +117,8 @@ class _Builder:
                 spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
             ),
             residuals=self.residuals(),
-            path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path)),
+            path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path), *self.signs(), *products),
+            complementarity=tuple(Complementarity(own.name, own.function, own.bounds.upper) for own in products),
             boundary=(
                 *self.of_model("boundary"),
                 *written["boundary"],
@@ -127,6 +130,7 @@ class _Builder:
             mayer=self.term("terminal"),
             time_unit=spec.time.unit,
             outputs=self.outputs(),
+            measured=tuple(measured(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         return within_tables(phase)
@@ -180,7 +184,8 @@ class _Builder:
 
     def bounds(self, declared: Declared, entry: Bounded | None, *path: str) -> Range:
         """The range of an entry of a variable, which stands at a path below that of the variable."""
-        return self.symbols.range(entry, (*declared.path, *path), declared.unit)
+        given = self.symbols.range(entry, (*declared.path, *path), declared.unit)
+        return given.intersection(Range(lower=0.0)) if declared.name in self.unsigned else given
 
     def state(self, state: DeclaredState) -> State:
         bounds = self.bounds(state, state.entry)
@@ -224,6 +229,36 @@ class _Builder:
             function = self.function((*path, "expression"), constraint.expression)
             written[str(path[1])].append(Constraint(name, function, self.symbols.range(constraint, path)))
         return written
+
+    def pairs(self) -> Iterator[tuple[str, float, Mapping[str, Expression]]]:
+        """Name, what a*b may be, and a and b of each pair, before parameters are bound to them."""
+        names = complementarity_names(self.spec)
+        for i, (entry, name) in enumerate(zip(self.spec.complementarity, names, strict=True)):
+            found = {
+                side: self.rewritten.expressions.get(("complementarity", i, side), own) for side, own in entry.sides
+            }
+            yield name, entry.relax[-1], found
+
+    def products(self) -> Iterator[Constraint]:
+        """a*b <= relax of each pair."""
+        for name, allowed, pair in self.pairs():
+            text = "*".join(f"({own.text})" for own in pair.values())
+            both = Chain(0, len(text), pair["a"].root, (Link(0, len(text), "*", pair["b"].root),))
+            yield Constraint(name, self.bound(Expression(text, both)), Range(upper=allowed))
+
+    def signs(self) -> Iterator[Constraint]:
+        """That a and b of each pair are not negative; a variable that is one of them has a bound, see `bounds`."""
+        for name, _, pair in self.pairs():
+            for side, own in pair.items():
+                if own.text not in self.unsigned:
+                    yield Constraint(f"{name} {side}", self.bound(own), Range(lower=0.0))
+
+    @cached_property
+    def unsigned(self) -> set[str]:
+        """The variables that are a or b of a pair: never negative, so they have a bound in place of a constraint."""
+        symbols = self.symbols
+        names = {own.name for own in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+        return names & {own.text for entry in self.spec.complementarity for _, own in entry.sides}
 
     def slack(self, relation: Relation) -> Constraint:
         """A constraint on slack variables, its function completed."""

@@ -6,9 +6,10 @@ import json
 import re
 from pathlib import Path
 
-from .errors import FileError, Mistake
+from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
 from .text import did_you_mean
+from .yaml.document import read_document
 
 _FOLDER = Path(__file__).parent
 TEMPLATE = "template"
@@ -39,6 +40,8 @@ def find_problem(name: str) -> Path:
 def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     """Write NAME.yaml in the current folder, a copy of a shipped problem or of the commented template.
 
+    The CSV files that the problem names are copied beside it.
+
     name: of the file, with or without its suffix, and of the problem in it.
     source: the name of a shipped problem, a path, or "template".
     force: whether an existing file is replaced.
@@ -49,8 +52,34 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find_problem(source)
     check_writable(target, force)
     text = origin.read_text(encoding="utf-8")
+    copies = {origin.parent / file: target.parent / file for file in _files_of(text)}
+    for data, copy in copies.items():
+        if data.is_file() and not (copy.exists() and copy.read_bytes() == data.read_bytes()):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            check_writable(copy, force)
     title = target.stem if re.fullmatch(r"[A-Za-z][\w-]*", target.stem) else json.dumps(target.stem)
     lines = [f"name: {title}" if line.startswith("name:") else line for line in text.splitlines()]
     with replacing(target) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for data, copy in copies.items():
+        if data.is_file():
+            with replacing(copy) as temporary:
+                temporary.write_bytes(data.read_bytes())
     return target
+
+
+def _files_of(text: str) -> list[str]:
+    """The CSV files that a problem file names, in its folder; none of one that cannot be read."""
+    try:
+        data = read_document(text, "").data
+    except SpecError:
+        return []
+    found: list[str] = []
+    waiting: list[object] = [data]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, dict):
+            found += [own for key, own in node.items() if key == "file" and isinstance(own, str)]
+        waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    plain = (own for own in dict.fromkeys(found) if not Path(own).is_absolute() and ".." not in Path(own).parts)
+    return list(plain)

@@ -105,6 +105,7 @@ def load_text(
     locations = Locations(file, document.lines, given, document.blocks)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
+    _measured_objective(data)
     if phased:
         _shared_objective(data)
     else:
@@ -165,6 +166,15 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
 def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
     """Whether a key that is none is a misspelt one that is missing."""
     return any(meant((*path, other), known) == key for other in given if other not in known)
+
+
+def _measured_objective(data: dict[str, Any]) -> None:
+    """With measurements, their residuals are an objective by themselves."""
+    phases = data.get("phases")
+    owners = [data, *(phases.values() if isinstance(phases, dict) else ())]
+    owners = [own for own in owners if isinstance(own, dict)]
+    if any(own.get("measurements") for own in owners) and not any(own.get("objective") for own in owners):
+        data["objective"] = {"minimize": {}}
 
 
 def _shared_objective(data: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """The continuous optimal control problem: nothing discrete and nothing of YAML in it.
 
     minimise   sum over phases of  M(t0, x(t0), u(t0), tF, x(tF), u(tF), p) + integral of w(t, x, u, p) dt
-               + M(the ends of all phases, p)
+               + M(the ends of all phases, p) + sum over measurements of  ((h(t_m, x(t_m), p) - y_m) / deviation)^2
     subject to dx/dt = f(t, x, u, z, p),  0 = r(t, x, u, z, p)   at every time      (dynamics, residuals),
                lower <= g(t, x, u, p) <= upper               at every time      (path),
                lower <= b(t0, x(t0), ..., tF, x(tF), p) <= upper                (boundary),
@@ -119,11 +119,49 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Complementarity:
+    """a >= 0, b >= 0 and a*b = 0 at every time, relaxed to a*b <= allowed.
+
+    name: also that of the path constraint on the product.
+    """
+
+    name: str
+    product: Function
+    allowed: float
+
+
+@dataclass(frozen=True)
 class Output:
     """A function over time, and its unit."""
 
     function: Function
     unit: str = ""
+
+
+@short_repr
+@dataclass(frozen=True)
+class Measured:
+    """A quantity of a phase that was measured: h(t, x, p), and its values at some times.
+
+    name: in results. column: of the data. function, expression: h, and as it is written. times: (M,) within the phase,
+    which do not fall. values, deviations: (M,) standard deviations. exact: whether these are known; else they are up to
+    a common factor.
+    """
+
+    name: str
+    column: str
+    function: Function
+    expression: str
+    unit: str
+    times: np.ndarray
+    values: np.ndarray
+    deviations: np.ndarray
+    exact: bool
+
+    @property
+    def weights(self) -> np.ndarray:
+        """w = 1 / deviation^2: w (h - value)^2 is added to what is minimised."""
+        return 1 / self.deviations**2
 
 
 class Curves(Protocol):
@@ -167,8 +205,9 @@ class Guess:
 class Phase:
     """One phase: its own time, states, controls and constraints.
 
-    time_unit: the unit of time.
+    time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
+    measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     """
 
@@ -181,12 +220,14 @@ class Phase:
     algebraic: tuple[Variable, ...] = ()
     residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
+    complementarity: tuple[Complementarity, ...] = ()
     boundary: tuple[Constraint, ...] = ()
     integral: tuple[Constraint, ...] = ()
     lagrange: Function | None = None
     mayer: Function | None = None
     time_unit: str = "s"
     outputs: Mapping[str, Output] = field(default_factory=dict)
+    measured: tuple[Measured, ...] = ()
     time_parameters: Mapping[str, str] = field(default_factory=dict)
 
     def times_in(self, curves: Curves) -> dict[str, float]:

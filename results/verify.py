@@ -35,15 +35,16 @@ from pathlib import Path
 import numpy as np
 
 from ..transcription.solution.error import error_profile
-from ..transcription.solution.objective_error import ObjectiveError, objective_error
+from ..transcription.solution.objective_error import NOT_UNIQUE, ObjectiveError, objective_error
 from ..transcription.solution.trajectory import Trajectory
 from .audit.check import ENGINE, Check
 from .audit.junctions import junctions, links
+from .audit.measured import jumps_of_costates
 from .audit.optimality import optimality
 from .audit.pontryagin import pontryagin
 from .audit.starts import starts
 from .audit.stored import stored
-from .audit.trajectory import between_points, held_control, simulation
+from .audit.trajectory import between_points, complementary, held_control, simulation
 from .file.reload import Reloaded, reload
 
 LINKED = 1e-6
@@ -90,8 +91,12 @@ def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold
     if hold is not None:
         yield from held_control(trajectory, hold, tolerance)
     yield from between_points(trajectory, tolerance)
-    if trajectory.costate is not None:
+    yield from complementary(trajectory)
+    if trajectory.phase.complementarity:
+        yield Check("optimality", 0.0, 0.0, f"not looked at: {NOT_UNIQUE}")
+    elif trajectory.costate is not None:
         yield from optimality(result, number, claimed, tolerance)
+        yield from jumps_of_costates(result, number, tolerance)
     else:
         yield Check("optimality", 0.0, 0.0, "not looked at: this method gives no costates")
 

@@ -29,6 +29,9 @@ from .solve import solve
 SMALLEST = 1 / 64
 """Of a step of the schedule: where it would be smaller, the way ends."""
 
+RELAX = "relax"
+"""The key of a complementarity that is walked through."""
+
 Progress = Callable[[int, dict], None] | None
 Stop = Callable[[], bool] | None
 
@@ -49,18 +52,18 @@ def solve_spec(
 
     Raises SpecError as `solve.solve` does.
     """
-    if not spec.continuation or guess is not None:
+    if guess is not None or not (spec.continuation or any(_relaxed(spec))):
         return solve(problems, schedule_of(spec), settings_of(spec), guess=guess, progress=progress, stop=stop)
     return _Way(spec, problems, progress, stop).walked()
 
 
 def way_of(spec: Spec) -> dict[str, list[float]]:
-    """Path -> the values to go through, the file's own the last; empty without `continuation:`.
+    """Path -> the values to go through, the file's own the last; empty if there is nothing on the way.
+
+    What complementarity is relaxed to goes down beside what `continuation:` names, whichever is longer.
 
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
-    if not spec.continuation:
-        return {}
     data = json.loads(spec.model_dump_json())
     way, wrong = {}, []
     for given, values in spec.continuation.items():
@@ -74,7 +77,7 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
     if not wrong and len({len(values) for values in way.values()}) > 1:
         what = "the lists of values do not have one length, the values of the file counted"
         wrong.append(Finding(("continuation",), what, "give all of them the same number of values"))
-    for k in range(0 if wrong else len(next(iter(way.values()))) - 1):
+    for k in range(0 if wrong or not way else len(next(iter(way.values()))) - 1):
         try:
             _at(spec, {path: values[k] for path, values in way.items()})
         except SpecError as error:
@@ -84,7 +87,21 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
             )
     if wrong:
         raise SpecError(spec.locate_findings(wrong))
-    return way
+    way |= _relaxed(spec)
+    longest = max(map(len, way.values()), default=0)
+    return {path: [*values, *values[-1:] * (longest - len(values))] for path, values in way.items()}
+
+
+def _relaxed(spec: Spec) -> dict[str, list[float]]:
+    """What each complementarity that is relaxed step by step goes through."""
+    owners = {"": spec.complementarity}
+    owners |= {f"phases.{name}.": phase.complementarity for name, phase in spec.phases.items()}
+    return {
+        f"{where}complementarity.{i}.{RELAX}": list(pair.relax)
+        for where, pairs in owners.items()
+        for i, pair in enumerate(pairs)
+        if len(pair.relax) > 1
+    }
 
 
 def _number_at(data: Any, path: str) -> float | None:
@@ -100,6 +117,11 @@ def _number_at(data: Any, path: str) -> float | None:
 def _at(spec: Spec, values: Mapping[str, float]) -> Spec:
     """The file with other values, solved on its first mesh only."""
     return load_text(spec.model_dump_json(), spec.file, [f"{path}={value!r}" for path, value in values.items()])
+
+
+def _between(path: str, low: float, high: float, share: float) -> float:
+    """A value between two of the schedule; of what spans orders of magnitude, a geometric mean."""
+    return low ** (1 - share) * high**share if path.endswith(RELAX) else low + share * (high - low)
 
 
 @dataclass
@@ -135,8 +157,7 @@ class _Way:
     def _solved(self, at: float, guess: Sequence[Curves] | None) -> Solution:
         """The solution at a place of the schedule, 0 for its first values, from the trajectories before."""
         low, high = floor(at), ceil(at)
-        share = at - low
-        values = {path: own[low] + share * (own[high] - own[low]) for path, own in self.values.items()}
+        values = {path: _between(path, own[low], own[high], at - low) for path, own in self.values.items()}
         if at == self.last:
             problems, schedule, settings = list(self.problems), schedule_of(self.spec), settings_of(self.spec)
         else:

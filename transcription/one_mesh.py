@@ -15,6 +15,7 @@ from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .failure.diagnose import diagnose
 from .layout import Transcription, bounded_start
+from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
 from .scaling import scale
@@ -110,7 +111,7 @@ def solve_mesh(
     all if that leads to none. The solution's history tells of every solve.
     """
     run = partial(_run, problem, tolerance=tolerance, settings=settings)
-    coarse = _coarse(meshes) if settings.coarse_start and start.guess is None else None
+    coarse = _coarse(problem, meshes) if settings.coarse_start and start.guess is None else None
     if not coarse:
         return run(meshes, start=start, watch=watch)
     solution, solved = run(coarse, start=start, watch=watch)
@@ -125,12 +126,14 @@ def solve_mesh(
     return replace(solution, meshes=history), solved
 
 
-def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:
+def _coarse(problem: Problem, meshes: Sequence[Mesh]) -> list[Mesh] | None:
     """The coarse meshes of large ones; None for others, and where some cannot be made coarse."""
     if sum(len(mesh.fractions) for mesh in meshes) <= LARGE:
         return None
     coarse = [coarsened for mesh in meshes if (coarsened := mesh.coarsened(COARSE))]
-    return coarse if len(coarse) == len(meshes) else None
+    if len(coarse) < len(meshes):
+        return None
+    return [with_knots(mesh, measured_fractions(phase)) for mesh, phase in zip(coarse, problem.phases, strict=True)]
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's

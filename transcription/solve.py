@@ -14,6 +14,8 @@ from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
+from .measured.estimates import estimates
+from .measured.knots import measured_fractions, with_knots
 from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
@@ -63,7 +65,18 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
 
 def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
     own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
-    return problem, [one.mesh() for one in own], min(one.tolerance for one in own)
+    return problem, meshes_of(problem, own), min(one.tolerance for one in own)
+
+
+def meshes_of(problem: Problem, steps: Sequence[Step]) -> list[Mesh]:
+    """The mesh of each phase, with knots at the times of its measurements.
+
+    problem: of any number of phases.
+    steps: one for each.
+    """
+    return [
+        with_knots(step.mesh(), measured_fractions(phase)) for step, phase in zip(steps, problem.phases, strict=True)
+    ]
 
 
 def solve(
@@ -191,7 +204,9 @@ class _Loop:
         meshes = (*self.history[:-1], solution.meshes[-1])
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
         sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
-        return replace(solution, accept=self.settings.accept, sensitive=sensitive)
+        solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
+        found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
+        return replace(solution, estimates=found)
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

@@ -20,6 +20,7 @@ from .collocation.differences import refused_by_differences
 from .collocation.numbers import numbers
 from .engines.outcome import Outcome
 from .layout import Transcription
+from .measured.program import with_residuals
 from .method_kind import MethodKind, Numbers, Program
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
@@ -114,7 +115,7 @@ def _kind_of(transcription: Transcription) -> MethodKind:
 
 def compiled(transcription: Transcription) -> NonlinearProgram:
     """The nonlinear program of a transcription."""
-    return _kind_of(transcription).compiled(transcription)
+    return with_residuals(transcription, _kind_of(transcription).compiled(transcription))
 
 
 def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None) -> Program:
@@ -129,10 +130,11 @@ def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | 
         raise SpecError(mistakes)
     start, kind = guess or [phase.guess for phase in problem.phases], _kind_of_all(problem, meshes)
     if kind.kept:
-        return kind.kept(problem, meshes, start)
-    transcription = kind.transcribe(problem, meshes, start, True)
-    built = time.perf_counter()
-    return Program(transcription, kind.compiled(transcription), built)
+        found = kind.kept(problem, meshes, start)
+    else:
+        transcription = kind.transcribe(problem, meshes, start, True)
+        found = Program(transcription, built=time.perf_counter(), nlp=kind.compiled(transcription))
+    return found._replace(nlp=with_residuals(found.transcription, found.nlp))
 
 
 def with_costates(

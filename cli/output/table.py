@@ -8,6 +8,7 @@ from typing import Any
 
 from ...problems.text import with_bar
 from ...results.file.summary import causes
+from .estimates import estimate_lines, print_correlation
 from .printing import cell, one_line, print_field, print_table, print_title
 
 MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
@@ -38,9 +39,11 @@ def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     several = len(summary["phases"]) > 1
     if several:
         yield from (("phase", _phase_line(name, phase)) for name, phase in summary["phases"].items())
+    yield from estimate_lines(summary["estimates"])
     yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
     if summary["solved"]:
         yield "bounds", _bounds(summary["overshoot"], several)
+    yield from (("pair", text) for text in _pairs(summary["phases"], several))
     mesh = summary["meshes"][-1]
     if summary["unmet_count"]:
         count = f"{summary['unmet_count']} of {mesh['segments']} segments"
@@ -102,6 +105,14 @@ def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
     return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at {when}"
 
 
+def _pairs(phases: dict[str, Any], several: bool) -> Iterator[str]:
+    """How exact it is that one of two things is zero."""
+    for phase, own in phases.items():
+        for name, pair in own["complementarity"].items():
+            when = f"t = {_number(pair['time'], 4)}" + (f" of phase {phase}" if several else "")
+            yield f"{name}: a*b is {_number(pair['product'], 3)} at most, at {when}; relaxed to {pair['allowed']:.3g}"
+
+
 def _reference(summary: dict[str, Any]) -> str:
     reference = summary["reference"]
     if not reference or not summary["solved"] or summary["objective"] is None:
@@ -127,6 +138,7 @@ def print_details(summary: dict[str, Any]) -> None:
     """The tables of `show`: every state, control and parameter, and every mesh."""
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
+    print_correlation(summary["estimates"])
     print()
     columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
     right = [column for column in columns if column not in ("method", "status")]

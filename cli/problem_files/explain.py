@@ -38,12 +38,13 @@ def explain(
     """
     from ...transcription.failure.relax import explain as run
     from ...transcription.settings import schedule_of
+    from ...transcription.solve import meshes_of
 
     specs = [spec for source in sources for spec in _specs(source, overrides(set_, method, segments))]
     holds = True
     for spec, problems in zip(specs, build_checked(specs), strict=True):
         with located(spec):
-            explanation = run(problems[0], [step.mesh() for step in schedule_of(spec)[0]])
+            explanation = run(problems[0], meshes_of(problems[0], schedule_of(spec)[0]))
         holds &= explanation.feasible
         if json_:
             print_json({"problem": spec.name, **_told(explanation)})

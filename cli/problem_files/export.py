@@ -34,9 +34,10 @@ def export(
     from ...problems.build import build
     from ...transcription.export.export import export as write
     from ...transcription.settings import schedule_of
+    from ...transcription.solve import meshes_of
 
     problem = build(spec)
     with located(spec):
-        paths = write(problem, [step.mesh() for step in schedule_of(spec)[-1]], output, force)
+        paths = write(problem, meshes_of(problem, schedule_of(spec)[-1]), output, force)
     for path in paths:
         print(path)

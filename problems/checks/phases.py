@@ -98,7 +98,7 @@ def _structure(spec: Spec) -> Iterator[Finding]:
     yield from _waypoints(spec)
     for i, link in enumerate(spec.links):
         for key, name in (("from", link.source), ("to", link.target)):
-            if link.expression is None and name not in names:
+            if link.expression is None and not link.apart and name not in names:
                 remedy = did_you_mean(name, names, f"the phases are {', '.join(names)}")
                 yield Finding(("links", i, key), f'there is no phase "{name}"', remedy)
 
@@ -143,6 +143,9 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not constant:
                 what = f"{node.symbol} is not smooth, and nonsmooth: is about expressions of one phase"
                 yield Finding(path, what, _SMOOTH)
+    for name in spec.measurements:
+        what = "with phases, measurements belong to one of them"
+        yield Finding(("measurements", name), what, "move them into a phase")
     for i, _ in enumerate(spec.constraints.integral):
         what = "with phases, an integral constraint belongs to one of them"
         remedy = "move it into a phase; for the whole trajectory use a state with this as its rate"
@@ -172,7 +175,7 @@ def _absent(spec: Spec, between: Between) -> Iterator[Finding]:
                 remedy = did_you_mean(name, shared, f"the top level has {', '.join(shared)}")
                 yield Finding(("phases", phase, "without", i), f"the top level has no {brief(name)}", remedy)
     for i, link in enumerate(spec.links):
-        if link.expression is not None:
+        if link.expression is not None or link.apart:
             continue
         if TIME in link.left_out and link.target in spec.phases and spec.phases[link.target].time.initial is None:
             remedy = f"add time: {{initial: ...}} to the phase {link.target}, or remove t from except:"
@@ -244,7 +247,8 @@ def _objective(spec: Spec, own: Mapping[str, Spec]) -> Iterator[Finding]:
             what = f"the file says {sense}, and the phase {name} {entry.objective.sense}"
             yield Finding(("phases", name, "objective"), what, f"write {sense}, and change the sign of the terms")
     terms = [phase.objective.terms for phase in own.values()]
-    if spec.objective.terms.terminal is None and not any(t.integral or t.terminal for t in terms):
+    measured = any(phase.measurements for phase in own.values())
+    if not measured and spec.objective.terms.terminal is None and not any(t.integral or t.terminal for t in terms):
         yield Finding(("objective", sense), "the objective is empty", "add integral: or terminal: with an expression")
 
 

@@ -128,8 +128,8 @@ def _harmless(path: Path) -> Any:
             known = {"rate": UNKNOWN}
         case ("controls" | "optimize" | "algebraic", _) | ("states", _, "velocity"):
             known = {}
-        case ("constraints", _, int()):
-            known = {"expression": UNKNOWN, "equals": UNKNOWN}
+        case ("complementarity" | "constraints", *_, int()):
+            known = dict.fromkeys(("a", "b") if path[0] == "complementarity" else ("expression", "equals"), UNKNOWN)
         case ("parameters" | "expressions" | "residuals", _) | (*_, "initial" | "final"):
             known = UNKNOWN
         case ("guess", "constants", _) | ("guess", "keyframes", _, _):

@@ -85,6 +85,9 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
             what = f"the Newton engine takes {'no bounds' if bounds else 'equality constraints only'}"
             at = (*path, "lower" if lower is not None else "upper") if bounds else path
             yield Finding(at, what, remedy)
+    if spec.complementarity:
+        what = "the Newton engine takes equality constraints only, and complementarity is made of inequalities"
+        yield Finding(("complementarity",), what, "leave out engine: newton")
     if spec.nonsmooth and spec.nonsmooth.treatment == SLACK:
         what = "the Newton engine takes no bounds, and slack variables have them"
         yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")

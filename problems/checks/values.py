@@ -24,9 +24,11 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
+from .complementarity import complementarity_mistakes
 from .ends import impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
+from .measurements import measurement_mistakes, measurement_warnings
 from .names import name_trouble, title_troubles
 from .size import too_large
 from .tables import beyond_tables
@@ -67,7 +69,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.bounds(path, constraint)
     checker.constraint_names()
     checker.static_guesses()
-    checker.guess()
+    checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
@@ -240,6 +242,7 @@ class _Checker:
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
             self.errors += title_troubles((*path, "name"), name, given)
             given.add(name)
+        self.errors += complementarity_mistakes(self.spec, self.symbols, given)
 
     def static_guesses(self) -> None:
         for name, static in self.spec.optimize.items():
@@ -247,14 +250,16 @@ class _Checker:
             if guess is not None:
                 self.inside(("optimize", name, "guess"), [guess], self.range(("optimize", name), static))
 
-    def guess(self) -> None:
-        """Names, lengths and times of the guess; its values lie inside the bounds."""
+    def data(self) -> None:
+        """Names, lengths and times of the guess and of measurements; guessed values lie inside the bounds."""
         guess, declared = self.spec.guess, {variable.name: variable for variable in self.declared()}
         times = (
             self.range(("time", "initial"), self.spec.time.initial),
             self.range(("time", "final"), self.spec.time.final),
         )
         self.errors += guess_mistakes(self.spec, self.symbols, times)
+        self.errors += measurement_mistakes(self.spec, self.symbols, times)
+        self.warnings += measurement_warnings(self.spec, self.symbols)
         self.warnings += guess_warnings(guess, list(declared))
         for path, name, values in values_of(guess, self.numbers):
             if path == ("guess", "keyframes", "time"):
@@ -265,6 +270,8 @@ class _Checker:
     def objective(self) -> None:
         """There is an objective, and it depends on something that is to be found."""
         spec, terms = self.spec, self.spec.objective.terms
+        if spec.measurements:
+            return
         if terms.integral is None and terms.terminal is None:
             remedy = "add integral: or terminal: with an expression"
             self.error(("objective", spec.objective.sense), "the objective is empty", remedy)

@@ -13,7 +13,7 @@ from ..yaml.document import Path
 
 SECTIONS = (
     *("parameters", "expressions", "time", "states", "controls", "algebraic", "residuals", "optimize", "objective"),
-    *("nonsmooth", "constraints", "guess", "links"),
+    *("nonsmooth", "constraints", "complementarity", "measurements", "guess", "links"),
 )
 """What holds expressions; those of phases and waypoints are in the specs of the phases."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from typing import NamedTuple
 
 from ..expressions.expression import Expression
@@ -17,10 +17,11 @@ from ..yaml.document import Path
 MAX_STEM = 40
 
 # Where an expression stands decides what it may refer to.
-CONSTANT, TRAJECTORY, BOUNDARY, GUESS = "constant", "trajectory", "boundary", "guess"
+CONSTANT, TRAJECTORY, BOUNDARY, GUESS, MEASURED = "constant", "trajectory", "boundary", "guess", "measured"
 
 SOLVED = frozenset({TRAJECTORY, BOUNDARY})
-"""Contexts of what the equations are made of; a guess is evaluated once, before them."""
+"""Contexts of what the equations are made of; a guess is evaluated once, before them, and what
+is measured at some times only."""
 
 # Sections whose expressions are constants, but for the rates and accelerations among them.
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
@@ -45,15 +46,22 @@ def uses(spec: Spec) -> Iterator[Use]:
     for name, named in spec.expressions.items():
         yield Use(("expressions", name), named.value, TRAJECTORY)
     yield from _dynamics(spec)
-    yield from _guessed(spec)
+    yield from _at_times(spec)
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
+    yield from _complementary(spec)
     for path, constraint in constraints(spec):
         yield Use((*path, "expression"), constraint.expression, BOUNDARY if path[1] == "boundary" else TRAJECTORY)
         for key in ("lower", "upper", "equals"):
             if bound := getattr(constraint, key):
                 yield Use((*path, key), bound, CONSTANT)
+
+
+def _complementary(spec: Spec) -> Iterator[Use]:
+    for i, entry in enumerate(spec.complementarity):
+        yield Use(("complementarity", i, "a"), entry.a, TRAJECTORY)
+        yield Use(("complementarity", i, "b"), entry.b, TRAJECTORY)
 
 
 def constraints(spec: Spec) -> Iterator[tuple[Path, ConstraintEntry]]:
@@ -72,10 +80,19 @@ def _dynamics(spec: Spec) -> Iterator[Use]:
         yield Use(("residuals", i, "expression"), residual.expression, TRAJECTORY)
 
 
-def _guessed(spec: Spec) -> Iterator[Use]:
+def _at_times(spec: Spec) -> Iterator[Use]:
+    """What is guessed over time, and what is measured."""
     for key in _OVER_TIME:
         for name, expression in (getattr(spec.guess, key) or {}).items():
             yield Use(("guess", key, name), expression, GUESS)
+    for name, entry in spec.measurements.items():
+        for column, expression in entry.compare.items():
+            yield Use(measured_path(("measurements", name), column), expression, MEASURED)
+
+
+def measured_path(path: Path, column: str) -> Path:
+    """Where what a column is compared with stands; path: of its measurements."""
+    return (*path, "compare", column)
 
 
 def _constants(value: object, path: Path) -> Iterator[Use]:
@@ -99,6 +116,12 @@ def constraint_names(spec: Spec) -> list[str]:
     return _names([constraint for _, constraint in constraints(spec)], "constraint")
 
 
+def complementarity_names(spec: Spec) -> list[str]:
+    """A name for each pair, all different, and none of a constraint unless it was given."""
+    texts = [f"{entry.a.text} {entry.b.text}" for entry in spec.complementarity]
+    return _made([entry.name for entry in spec.complementarity], texts, "pair", set(constraint_names(spec)))
+
+
 def residual_names(spec: Spec) -> list[str]:
     """A name for each residual, all different."""
     return _names(spec.residuals, "residual")
@@ -115,14 +138,16 @@ def boundary_names(spec: Spec) -> list[str]:
 
 
 def _names(entries: Sequence[ConstraintEntry | Residual | LinkEntry], default: str) -> list[str]:
+    texts = [entry.expression.text if entry.expression else "" for entry in entries]
+    return _made([entry.name for entry in entries], texts, default)
+
+
+def _made(given: Sequence[str], texts: Sequence[str], default: str, others: Set[str] = frozenset()) -> list[str]:
+    """The names that are given, and for each that is none one of its text."""
     names: list[str] = []
-    taken = {entry.name for entry in entries}
-    for entry in entries:
-        name = entry.name
-        if not name:
-            text = entry.expression.text if entry.expression else ""
-            stem = re.sub(r"\W+", "_", text).strip("_")[:MAX_STEM].strip("_") or default
-            candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
-            name = next(c for c in candidates if c not in taken and c not in names)
-        names.append(name)
+    taken = {*given, *others}
+    for own, text in zip(given, texts, strict=True):
+        stem = re.sub(r"\W+", "_", text).strip("_")[:MAX_STEM].strip("_") or default
+        candidates = (stem if i == 1 else f"{stem}_{i}" for i in range(1, len(taken) + len(names) + 3))
+        names.append(own or next(c for c in candidates if c not in taken and c not in names))
     return names

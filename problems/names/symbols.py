@@ -20,7 +20,7 @@ from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .occurrences import BOUNDARY, CONSTANT, GUESS, TRAJECTORY, Use, uses
+from .occurrences import BOUNDARY, CONSTANT, GUESS, MEASURED, TRAJECTORY, Use, uses
 
 # Looking for a similar name among thousands takes time.
 MAX_SUGGESTIONS = 20
@@ -207,7 +207,7 @@ class Symbols:
                 f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
                 "use numbers and parameters here, and put conditions on other names under constraints:",
             )
-        elif context == GUESS and name.end:
+        elif context in (GUESS, MEASURED) and name.end:
             found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
         elif context == TRAJECTORY and name.end:
             found = (

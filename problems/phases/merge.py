@@ -72,7 +72,10 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
 
 
 def _constraint(spec: Spec, phase: str, path: Path) -> Path | None:
-    """The place of a constraint: path constraints of the top level come first in every phase."""
+    """The place of a constraint: path constraints of the top level, and pairs, come first in every phase."""
+    if path[0] == "complementarity" and len(path) > 1:
+        number, shared = int(path[1]), len(spec.complementarity)
+        return path if number < shared else ("phases", phase, path[0], number - shared, *path[2:])
     if path[0] != "constraints" or len(path) < 3 or not isinstance(path[2], int):
         return None
     shared = len(spec.constraints.path) if path[1] == "path" else 0
@@ -146,10 +149,12 @@ def _merged(
         | {
             "time": time,
             "constraints": constraints,
+            "complementarity": [*spec.complementarity, *own.complementarity],
             "objective": _objective(spec.objective, own.objective),
             "residuals": spec.residuals if own.residuals is None else own.residuals,
             "guess": own.guess or _at_all_times(spec.guess),
             "mesh": mesh,
+            "measurements": own.measurements,
             "phases": {},
             "links": [],
             "waypoints": [],

@@ -54,8 +54,10 @@ def passages(spec: Spec) -> list[Passage]:
     given = [
         Passage(link.source, link.target, frozenset(link.left_out), i)
         for i, link in enumerate(spec.links)
-        if link.expression is None
+        if link.expression is None and not link.apart
     ]
+    if any(link.apart for link in spec.links):
+        return given
     said = {own.target for own in given if _forward(names, own)}
     neighbours = (Passage(before, after, frozenset()) for before, after in pairwise(names) if after not in said)
     return [*neighbours, *given]

@@ -44,6 +44,8 @@ EXAMPLES = {
     "phases": "{boost: {time: {final: 10}}, coast: {controls: {u: {upper: 0}}}}",
     "links": "[{from: boost, to: coast, except: [m]}]",
     "waypoints": "[{x: 1, y: 2}, {x: 3}]",
+    "complementarity": "[{a: gap, b: force}]",
+    "relax": "[1, 0.01, 1e-6]",
     "continuation": "{parameters.g: [0, 5]}",
     "guess": "linear, or {constants: {u: 1}}",
     "constants": "{u: 1}",

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
+from .complementarity import ComplementarityEntry
 from .declarations import (
     LOWER,
     NOTE,
@@ -20,10 +21,14 @@ from .declarations import (
     TimeEnd,
 )
 from .fields import Entry, Formula, Text, mistake
+from .measurements import MAX_SETS, MeasuredEntry
 from .sections import MAX_NAMES, Constraints, GuessEntry, Objective
 from .solving import MAX_MESHES, MeshEntry
 
 MAX_PHASES = 200
+
+NONE = "none"
+"""For links: no phase goes on in another."""
 
 OWN = "of this phase: over what the top level says of the same names"
 
@@ -61,6 +66,12 @@ class PhaseEntry(Entry):
     constraints: Constraints = Field(
         Constraints(), description="of this phase, beside the path constraints of the top level"
     )
+    complementarity: list[ComplementarityEntry] = Field(
+        [], max_length=MAX_NAMES, description="of this phase, beside those of the top level"
+    )
+    measurements: dict[str, MeasuredEntry] = Field(
+        {}, max_length=MAX_SETS, description="of this phase: name -> {file, compare, deviations}"
+    )
     guess: GuessEntry | None = Field(None, description="in place of that of the top level")
     mesh: list[MeshEntry] | None = Field(
         None, min_length=1, max_length=MAX_MESHES, description="schedule, in place of that of the top level"
@@ -70,6 +81,7 @@ class PhaseEntry(Entry):
 class LinkEntry(Entry):
     """A condition between phases: of an expression, or that time and states go on from one phase to another."""
 
+    apart: bool = Field(False, description="written none: no phase goes on in another, as of separate experiments")
     name: Text = Field("", description="name in results; default made from the expression")
     expression: Formula | None = Field(None, description="of values at the ends of phases, as boost.m[final]")
     lower: Formula | None = Field(None, description=LOWER)
@@ -83,8 +95,14 @@ class LinkEntry(Entry):
 
     model_config = Entry.model_config | {"populate_by_name": True, "serialize_by_alias": True}
 
+    @classmethod
+    def _unfold(cls, data: Any) -> Any:
+        return {"apart": True} if data == NONE else data
+
     @model_validator(mode="after")
     def _one_form(self) -> Self:
+        if self.apart:
+            return self
         bounded = self.lower is not None or self.upper is not None
         if self.expression is not None and (self.source or self.target or self.left_out):
             raise mistake("expression and from, to are both given", "keep one, and make the other a link of its own")

@@ -28,6 +28,18 @@ def _columns(value: Any) -> Series:
     return columns
 
 
+def _samples(value: Any) -> Series:
+    """Columns of one length over times that do not fall; None stands for what was not measured."""
+    if value == {}:
+        return {}
+    columns = _lists(value, gaps=True)
+    for i, (before, after) in enumerate(pairwise(columns[TIME])):
+        if after < before:
+            what = f"the times fall: entry {i + 2} is {after:g}, after {before:g}"
+            raise mistake(what, "sort them, and the columns with them")
+    return columns
+
+
 def _lists(value: Any, gaps: bool = False) -> Series:
     """Lists of numbers of one length, that of the times among them; gaps: whether None may stand among the others."""
     if not isinstance(value, dict) or not all(isinstance(row, list) for row in value.values()):
@@ -58,5 +70,7 @@ _OBJECT = {"type": "object", "additionalProperties": {"type": "array", "items": 
 
 if TYPE_CHECKING:
     Columns = Series
+    Samples = Series
 else:
     Columns = Annotated[Any, PlainValidator(_columns), WithJsonSchema(_OBJECT)]
+    Samples = Annotated[Any, PlainValidator(_samples), WithJsonSchema(_OBJECT)]

@@ -17,9 +17,11 @@ from ..models import MODELS
 from ..text import brief, did_you_mean, shorten, tidy
 from ..yaml.document import in_words
 from ..yaml.locations import Finding, Locations
+from .complementarity import ComplementarityEntry
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
-from .phases import MAX_PHASES, LinkEntry, PhaseEntry, Waypoint
+from .measurements import MAX_SETS, MeasuredEntry
+from .phases import MAX_PHASES, NONE, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
     DEFAULT_METHOD,
@@ -40,8 +42,15 @@ def _alternatives(schema: dict[str, Any]) -> None:
     """What a file needs: with phases, its states, times and objective may stand in these."""
     needed = [key for key in schema["required"] if key != "objective"]
     dynamics = {"anyOf": [{"required": ["states"]}, {"required": ["model"]}]}
-    one = {"allOf": [{"required": ["objective", "time"]}, dynamics]}
+    wanted = {"anyOf": [{"required": ["objective"]}, {"required": ["measurements"]}]}
+    one = {"allOf": [{"required": ["time"]}, wanted, dynamics]}
     schema |= {"required": needed, "anyOf": [one, {"required": ["phases"]}, {"required": ["waypoints"]}]}
+
+
+def _or_none(schema: dict[str, Any]) -> None:
+    """The word none in place of a list."""
+    long = {key: schema.pop(key) for key in ("type", "items", "maxItems")}
+    schema["anyOf"] = [{"const": NONE}, long]
 
 
 class Spec(Entry):
@@ -95,6 +104,11 @@ class Spec(Entry):
         {}, max_length=MAX_NAMES, description="static parameters to find: name -> {lower, upper, guess, unit, note}"
     )
     objective: Objective = Field(description="{minimize: {integral:, terminal:}}, or maximize")
+    measurements: dict[str, MeasuredEntry] = Field(
+        {},
+        max_length=MAX_SETS,
+        description="of experiments: name -> {file, compare, deviations}; their squared residuals are minimised",
+    )
     phases: dict[str, PhaseEntry] = Field(
         {},
         max_length=MAX_PHASES,
@@ -103,7 +117,8 @@ class Spec(Entry):
     links: list[LinkEntry] = Field(
         [],
         max_length=MAX_NAMES,
-        description="between phases; default: time and every state of one name go on in the next phase",
+        description="between phases; default: time and every state of one name go on in the next phase; none: in none",
+        json_schema_extra=_or_none,
     )
     waypoints: list[Waypoint] = Field(
         [],
@@ -114,6 +129,9 @@ class Spec(Entry):
         None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
     )
     constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
+    complementarity: list[ComplementarityEntry] = Field(
+        [], max_length=MAX_NAMES, description="pairs that are never both above zero: [{a: gap, b: force}]"
+    )
     guess: GuessEntry = Field(GuessEntry(), description="initial trajectory: linear (default), constants or keyframes")
     scaling: Scaling = Field(
         "none",
@@ -143,6 +161,11 @@ class Spec(Entry):
     _text: str = PrivateAttr("")
     _locations: Locations = PrivateAttr(Locations("", {}))
     _warnings: tuple[Mistake, ...] = PrivateAttr(())
+
+    @field_validator("links", mode="before")
+    @classmethod
+    def _none(cls, value: Any) -> Any:
+        return [NONE] if value == NONE else value
 
     @field_validator("trajopt")
     @classmethod

@@ -28,7 +28,7 @@ def read_files(data: dict[str, Any], folder: Path | None) -> list[Finding]:
 
     What a problem then holds is all that its solution needs, also when the CSV file is gone.
     """
-    return [*_tables(data, folder), *_guesses(data, folder)]
+    return [*_tables(data, folder), *_over_time(data, folder)]
 
 
 def _tables(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
@@ -57,10 +57,18 @@ def _is_read(entry: dict[str, Any]) -> bool:
     return of_file and entry.get("points") is None and entry.get("values") is None
 
 
-def _guesses(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
-    for place, entry in _places(data, "guess"):
-        file = entry.get("file")
-        if not isinstance(file, str) or entry.get("data") is not None:
+def _over_time(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
+    """Guesses and measurements."""
+    guesses = ((place, owner, "guess", False) for place, owner in _owners(data))
+    sets = (
+        ((*place, "measurements"), owner["measurements"], name, True)
+        for place, owner in _owners(data)
+        if isinstance(owner.get("measurements"), dict)
+        for name in list(owner["measurements"])
+    )
+    for place, owner, key, gaps in [*guesses, *sets]:
+        entry = owner.get(key)
+        if not isinstance(entry, dict) or not isinstance(file := entry.get("file"), str) or entry.get("data"):
             continue
         del entry["file"]
         if of_result := result_as_guess(file):
@@ -69,16 +77,17 @@ def _guesses(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
         try:
             if folder is None:
                 raise ColumnsError([NO_FOLDER_OF_SERIES])
-            entry |= {"data": read_series(folder, file), "source": brief(file)}
+            entry |= {"data": read_series(folder, file, gaps), "source": brief(file)}
         except ColumnsError as error:
-            yield from (Finding((*place, "file"), what, remedy) for what, remedy in error.troubles)
+            yield from (Finding((*place, key, "file"), what, remedy) for what, remedy in error.troubles)
+            if gaps:  # without columns nothing can be said of them
+                del owner[key]
 
 
-def _places(data: dict[str, Any], key: str) -> Iterator[tuple[Place, dict[str, Any]]]:
-    """The mappings of that key at the top level and in phases, each with its place."""
+def _owners(data: dict[str, Any]) -> Iterator[tuple[Place, dict[str, Any]]]:
+    """The top level and the phases, each with its place."""
+    yield (), data
     phases = data.get("phases")
-    owners: list[tuple[Place, Any]] = [((), data)]
-    owners += [(("phases", name), own) for name, own in (phases.items() if isinstance(phases, dict) else ())]
-    for place, owner in owners:
-        if isinstance(owner, dict) and isinstance(entry := owner.get(key), dict):
-            yield (*place, key), entry
+    for name, own in phases.items() if isinstance(phases, dict) else ():
+        if isinstance(own, dict):
+            yield ("phases", name), own

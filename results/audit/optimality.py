@@ -10,6 +10,7 @@ import numpy as np
 
 from ...problems.problem import Function, Phase, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
+from ...transcription.measured.knots import knots_at, measured_fractions
 from ..file.reload import Reloaded
 from .check import ENGINE, Check, at
 from .jumps import point_shares
@@ -135,6 +136,9 @@ def _hamiltonian_drift(
 ) -> Check:
     """Half the range of H(t) - H(t_0) - integral of dL/dt, which should be 0, relative to the largest term of H.
 
+    What is measured at a time makes H jump there (`audit.measured` looks at the jump of the costates), so that the
+    range is that between two measurements.
+
     Within a jump of a control, or of the slopes dL/dx of the costates (as where a multiplier jumps), the costates at
     the points are those of neither side: there the drift counts times the jump's share of the phase.
     """
@@ -143,8 +147,12 @@ def _hamiltonian_drift(
     explicit = hamiltonian.derivative(hamiltonian.lagrangian, values, "t")
     drift = H - H[0] - np.append(0, np.cumsum(np.diff(t) * (explicit[1:] + explicit[:-1]) / 2))
     shares = point_shares(trajectory, slopes)
-    counted = drift[shares == 1] if (shares == 1).any() else drift
-    drift = np.abs(drift - (counted.max() + counted.min()) / 2)
+    of_a_side = np.zeros(len(t), bool)
+    for here in _between_measurements(hamiltonian):
+        of_a_side |= here
+        counted = drift[here & (shares == 1)] if (here & (shares == 1)).any() else drift[here]
+        drift[here] -= (counted.max() + counted.min()) / 2
+    drift = np.where(of_a_side, np.abs(drift), 0.0)
     scale = hamiltonian.scale(values)
     value = np.maximum(shares * drift - claimed / float(np.ptp(trajectory.t)), 0.0) / (scale or 1.0)
     k, worst = int(np.argmax(np.nan_to_num(value, nan=np.inf))), int(np.argmax(np.nan_to_num(drift, nan=np.inf)))
@@ -152,6 +160,16 @@ def _hamiltonian_drift(
     if drift[worst] > tolerance * (scale or 1.0) and shares[worst] < 1:
         where += f"; {drift[worst] / (scale or 1.0):.1e} in a jump, {at(t[worst])}"
     return Check("Hamiltonian along the trajectory, relative", float(value[k]), tolerance, where)
+
+
+def _between_measurements(hamiltonian: Hamiltonian) -> Iterator[np.ndarray]:
+    """Masks (M,) of the points between two times of measurements: these times themselves are of both sides."""
+    s = hamiltonian.trajectory.mesh.fractions[hamiltonian.points]
+    times = measured_fractions(hamiltonian.phase)
+    at = np.isin(s, hamiltonian.trajectory.mesh.edges[knots_at(hamiltonian.trajectory.mesh, times)])
+    number = np.searchsorted(times, s)
+    for own in np.unique(number[~at]):
+        yield (number == own) & ~at
 
 
 def _lopsided(hamiltonian: Hamiltonian) -> np.ndarray:

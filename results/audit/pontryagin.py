@@ -30,14 +30,15 @@ APART = 0.1  # of the box: two candidates to improve that are nearer than this w
 
 @np.errstate(all="ignore")
 def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, Check]]:
-    """Each phase that has controls and costates, and its check.
+    """Each phase that has controls, and costates that are unique, and its check.
 
     result: read back, with multipliers.
     claimed: how far its objective may be from the optimum.
     """
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
-        if trajectory.costate is not None and trajectory.phase.controls:
+        unique = not trajectory.phase.complementarity
+        if trajectory.costate is not None and trajectory.phase.controls and unique:
             yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 

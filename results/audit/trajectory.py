@@ -8,11 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...transcription.solution.error import ErrorProfile, excesses
+from ...transcription.solution.error import ErrorProfile, exactness, excesses
 from ...transcription.solution.implicit import consistent_inputs
 from ...transcription.solution.trajectory import Trajectory
 from .check import Check, at
 from .jumps import control_shares
+
+RELAXED = 1.1
+"""Times what a product may be, which the engine holds to its tolerance."""
 
 RTOL, ATOL = 1e-10, 1e-12
 
@@ -191,6 +194,12 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
         if peak[worst] > tolerance >= counted[k]:
             where += f"; {peak[worst]:.1e} in a jump, {at(t[worst])}"
         yield Check(f"{excess.name} between the points", float(counted[k]), tolerance, where)
+
+
+def complementary(trajectory: Trajectory) -> Iterator[Check]:
+    """That one of two things is zero at the points, up to what it was relaxed to."""
+    for pair, product, time in exactness(trajectory):
+        yield Check(f"{pair.name}: a*b of the pair", product, RELAXED * pair.allowed, at(time))
 
 
 def _constant(value: np.ndarray, t: float) -> np.ndarray:

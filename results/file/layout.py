@@ -144,6 +144,40 @@ def _curves(where: str) -> dict[str, Array | Group | Each]:
     }
 
 
+_MEASUREMENT, _ESTIMATE = Size("measurements"), Size("estimates")
+
+MEASURED = Group(
+    {
+        "measurement": Array(WHOLE, (_MEASUREMENT,)),
+        "time": Array(NUMBER, (_MEASUREMENT,), ordered="times"),
+        "value": Array(NUMBER, (_MEASUREMENT,)),
+        "deviation": Array(NUMBER, (_MEASUREMENT,)),
+        "model": Array(NUMBER, (_MEASUREMENT,)),
+    },
+    {"expression": Attribute(TEXT)},
+)
+"""One quantity that was measured, and the solution at the same times."""
+
+ESTIMATES = Group(
+    {
+        "parameter": Array(TEXT, (_ESTIMATE,), names="estimates"),
+        "other": Array(TEXT, (_ESTIMATE,), names="estimates"),
+        "value": Array(NUMBER, (_ESTIMATE,)),
+        "standard_error": Array(NUMBER, (_ESTIMATE,)),
+        "correlation": Array(NUMBER, (_ESTIMATE, _ESTIMATE)),
+    },
+    {
+        "residuals": Attribute(NUMBER),
+        "measurements": Attribute(WHOLE, above=-1),
+        "free": Attribute(WHOLE),
+        "scale": Attribute(NUMBER),
+        "given": Attribute(FLAG),
+        "missing": Attribute(TEXT),
+    },
+    optional=True,
+)
+"""Parameters that were estimated from measurements."""
+
 PHASE = Group({
     "knots": Array(NUMBER, (KNOTS,), ordered="times"),
     "points": Group(_curves("points")),
@@ -166,6 +200,13 @@ PHASE = Group({
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
+    "complementarity": Each(
+        Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
+        names="pairs",
+        or_none=True,
+        optional=True,
+    ),
+    "measured": Each(MEASURED, names="quantities", own=True, optional=True),
 })  # fmt: skip
 """One phase. Another one repeats it."""
 
@@ -246,6 +287,7 @@ RESULT = Group(
         "phase": Each(PHASE, names="phases", least=1, own=True),
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,
+        "estimates": ESTIMATES,
         "sensitivity": SENSITIVITY,
     },
     {

@@ -35,6 +35,21 @@ class Curve:
 
 @short_repr
 @dataclass(frozen=True)
+class MeasuredPoints:
+    """Measurements of one quantity: what it is compared with, its unit, and (M,) times, values, deviations, and the
+    solution there."""
+
+    name: str
+    expression: str
+    unit: str
+    time: np.ndarray
+    value: np.ndarray
+    deviation: np.ndarray
+    model: np.ndarray
+
+
+@short_repr
+@dataclass(frozen=True)
 class PhaseCurves:
     """One phase of a result.
 
@@ -42,7 +57,7 @@ class PhaseCurves:
     curves: kind, one of CURVE_KINDS -> name -> curve; a kind may be missing or empty.
     epsilon: state -> curve without points. eta: state -> (N,). parameters: optimised static parameters.
     relative: (N,) the largest relative error of each segment. shares: (N,) what it adds to the error bar of the
-    objective; empty where there is none.
+    objective; empty where there is none. measured: the measurements, quantity by quantity.
     """
 
     name: str
@@ -56,6 +71,7 @@ class PhaseCurves:
     parameters: Mapping[str, float]
     relative: np.ndarray = field(default_factory=lambda: np.empty(0))
     shares: np.ndarray = field(default_factory=lambda: np.empty(0))
+    measured: tuple[MeasuredPoints, ...] = ()
 
     @property
     def at_knot(self) -> np.ndarray:
@@ -205,7 +221,13 @@ def _phase(name: str, group: h5py.Group) -> PhaseCurves:
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
         relative=group["error"].get("relative", empty)[:],
         shares=group["error"].get("objective", empty)[:],
+        measured=tuple(_measured(name, own) for name, own in group.get("measured", {}).items()),
     )
+
+
+def _measured(name: str, group: h5py.Group) -> MeasuredPoints:
+    arrays = (group[key][:] for key in ("time", "value", "deviation", "model"))
+    return MeasuredPoints(name, printable(group.attrs["expression"]), unit_of(group["value"]), *arrays)
 
 
 def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:

@@ -68,6 +68,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "overshoot": _overshoot(file),
         "sensitivities": _sensitivities(file),
         "phases": _phases(file),
+        "estimates": _estimates(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
     }
@@ -176,6 +177,29 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
+        "complementarity": {
+            name: {key: own[key][()] for key in ("product", "time", "allowed")}
+            for name, own in group.get("complementarity", {}).items()
+        },
+    }
+
+
+def _estimates(file: h5py.File) -> dict[str, Any] | None:
+    """The estimated parameters with their standard errors and correlation; None where nothing was measured."""
+    if "estimates" not in file:
+        return None
+    group = file["estimates"]
+    names = list(group["parameter"].asstr()[:])
+    units = {name: unit_of(value) for phase in file["phase"].values() for name, value in phase["parameter"].items()}
+    rows = zip(names, group["value"][:], group["standard_error"][:], strict=True)
+    return {
+        "parameters": {
+            name: {"value": value, "standard_error": error, "unit": units.get(name, "")} for name, value, error in rows
+        },
+        "correlation": {
+            name: dict(zip(names, row, strict=True)) for name, row in zip(names, group["correlation"][:], strict=True)
+        },
+        **{key: group.attrs[key] for key in ("residuals", "measurements", "free", "scale", "given", "missing")},
     }
 
 

@@ -17,6 +17,13 @@
                                attributes overshoot_<key>: what exceeds its bounds most between the points;
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
+        complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
+        measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
+                               with expression, that of the model
+    /estimates/                where something was measured: parameter and other (names), value, standard_error,
+                               correlation; with residuals (the sum of weighted squares), measurements and free (their
+                               number, and that of unknowns), scale (of the deviations), given (whether these were),
+                               missing (why there are no standard errors)
     /mesh/<k>/                 edges; segment, and over it degree and differential, of methods with a choice (with
                                several phases these are in phase/<name>/);
                                attributes: method, segments, tolerance, status, objective, objective_error,
@@ -56,7 +63,8 @@ from ...problems.errors import FileError, Mistake
 from ...problems.files import check_not_protected, check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
-from .write_phase import write_parameters, write_phase
+from .write_measured import write_estimates, write_measured
+from .write_phase import write_exactness, write_parameters, write_phase
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -149,6 +157,11 @@ def image_of(solution: Solution, spec_text: str, spec_full: str, command: str, o
                     group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
                 )
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+            write_exactness(group_of(group, "complementarity"), trajectory)
+            if trajectory.phase.measured:
+                write_measured(group_of(group, "measured"), trajectory)
+        if solution.estimates:
+            write_estimates(group_of(file, "estimates"), solution.problem, solution.estimates)
         meshes = group_of(file, "mesh")
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)

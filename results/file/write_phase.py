@@ -68,6 +68,21 @@ def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, f
         array_of(group, parameter.name, values[parameter.name], [], f"parameter {parameter.name}", unit=parameter.unit)
 
 
+def write_exactness(group: h5py.Group, trajectory: Trajectory) -> None:
+    """Write how far both of each pair, of which one must be zero, are above it at the points that the solver holds.
+
+    group: of the pairs of one phase, empty.
+    trajectory: of the phase.
+    """
+    from ...transcription.solution.error import exactness
+
+    for pair, product, time in exactness(trajectory):
+        own = group_of(group, pair.name)
+        array_of(own, "product", product, [], f"largest a*b of {pair.name} at the points of the mesh")
+        array_of(own, "time", time, [], "time at which it is", unit=trajectory.phase.time_unit)
+        array_of(own, "allowed", pair.allowed, [], "what the solver was allowed")
+
+
 def _write_curves(
     group: h5py.Group,
     phase: Phase,

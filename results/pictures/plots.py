@@ -42,7 +42,7 @@ MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
 FLAT = 1e-5  # a curve that varies by less than this part of its size is drawn as a constant
 NOISE = 1e-9  # the same for a curve around zero, in its unit
-LEGEND = (*CURVE_KINDS, "knot", "point inside a segment", "segment edge", "bound", "violated bound")
+LEGEND = (*CURVE_KINDS, "measured", "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
 SMALL_LETTER = 0.05  # inches, of the names of phases
@@ -63,6 +63,8 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         colour = KIND_COLOURS[kind]
         ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
         _draw_points(ax, phase, curve, colour)
+        if kind != "costate":
+            _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
     low, high = _extent([phase.curves[kind][name] for phase in phases])
     far = [] if kind == "costate" else _draw_bounds(ax, phases, kind, name, bounds)
@@ -96,6 +98,14 @@ def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> Non
     if not knot.all():
         inner: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": colour, "markersize": 0.9 * size}
         ax.plot(phase.time[~knot], curve.points[~knot], "D", label="point inside a segment", **inner, **style)
+
+
+def _draw_measured(ax: Axes, phase: PhaseCurves, name: str) -> None:
+    """Crosses at what was measured of a quantity by itself."""
+    for own in phase.measured:
+        if own.expression == name:
+            style: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 4, "markeredgewidth": 1.0}
+            ax.plot(own.time, own.value, color=VERMILION, label="measured", zorder=4, **style)
 
 
 def draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
@@ -202,7 +212,8 @@ def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
     chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
     if not only:  # named expressions without a unit are parts of others more often than not
         units = {n: phase.curves["output"][n].unit for phase in result.phases for n in phase.curves.get("output", {})}
-        chosen["output"] = [name for name in chosen["output"] if units[name]]
+        measured = {own.expression for phase in result.phases for own in phase.measured}
+        chosen["output"] = [name for name in chosen["output"] if units[name] or name in measured]
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
 

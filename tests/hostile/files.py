@@ -47,6 +47,7 @@ RESULTS = {
             "expressions={speed: {value: 2*x2, unit: m}}",
         ],
     ),
+    "measured": ("enzyme_progress_curves", ["refine="]),
     "algebraic": ("pendulum_dae", ["mesh.-1.segments=4", "solver.max_iter=3"]),
 }
 """Name -> the shipped problem, "" for TINY, and overrides."""

@@ -21,6 +21,7 @@ from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Function, Phase, Range
 from ..constraint_kinds import BOUND, BOUNDARY, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
+from ..measured.knots import knots_at
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .place import Place, Values
@@ -245,6 +246,18 @@ class PhaseBuilder(ABC):
     def cost(self) -> Any:
         cost = self.phase.mayer(self.ends(), pyomo) if self.phase.mayer else 0.0
         return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
+
+    def residuals(self) -> Any:
+        """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
+        phase, total = self.phase, 0.0
+        start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
+        for own in phase.measured:
+            knots = self.mesh.knots[knots_at(self.mesh, (own.times - start) / duration)]
+            for k, t, y, w in zip(*(a.tolist() for a in (knots, own.times, own.values, own.weights)), strict=True):
+                values = self.at(k, [state.name for state in phase.states], inputs=False)
+                values["t"] = t
+                total += w * (own.function(values, pyomo) - y) ** 2
+        return total
 
     def integral(self, w: Function) -> Any:
         """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""

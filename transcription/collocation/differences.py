@@ -33,6 +33,9 @@ def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterat
     phase: its states must be positions with a second derivative, and their velocities.
     mesh: must have two or more segments, all of one width.
     """
+    if phase.measured:
+        what = "finite differences have no velocities among their unknowns, and no knots where something is measured"
+        yield Mistake("mesh", what, "take another method, such as radau or hermite-simpson")
     positions = {state.velocity_of for state in phase.states}
     alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
     if alone:

@@ -82,7 +82,8 @@ def by_model(
             builder.variables(curves)
             builder.constraints()
         links = _links(model, problem, builders, linked)
-        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked))
+        measured = 0.0 if templates else sum(builder.residuals() for builder in builders)  # else `measured.program`
+        model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked) + measured)
     unknowns = _Unknowns()
     layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
     parameters = np.array([unknowns.place(model.p, own.name) for own in problem.parameters], int)

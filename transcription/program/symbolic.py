@@ -148,7 +148,7 @@ class _Translation:
             if self._known(last := waiting[-1]):
                 waiting.pop()
             elif parts := [part for part in _parts(last) if not self._known(part)]:
-                waiting += parts
+                waiting += reversed(parts)  # from the left, which numbers the arguments in the order of the text
             else:
                 self.memo[id(last)] = self.node(last)
         return self.value(e)

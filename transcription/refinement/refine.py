@@ -32,6 +32,7 @@ import numpy as np
 
 from ...problems.problem import TOLERATED_EXCESS
 from ...problems.text import short_repr
+from ..measured.knots import knots_at, measured_fractions
 from ..schemes.mesh import Mesh
 from ..schemes.segment import Segment
 from ..schemes.table import METHODS
@@ -93,7 +94,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     enough = all(pieces[s] or segments.parts(s) < MOST_PARTS for s in np.flatnonzero(near).tolist())
     _divide(pieces, segments)
     if merge:
-        pieces = _merged(pieces, segments.needless)
+        pieces = _merged(pieces, segments.needless, segments.measured)
     flat = [piece for segment in pieces for piece in segment]
     widths, schemes = np.array([w for w, _ in flat]), tuple(scheme for _, scheme in flat)
     return Refinement(Mesh(schemes, widths), told, enough)
@@ -141,6 +142,13 @@ class _Segments:
     @cached_property
     def switches(self) -> Switches:
         return Switches(self.trajectory)
+
+    @cached_property
+    def measured(self) -> np.ndarray:
+        """Whether something is measured at the start of a segment, shape (N,): knots that stay where they are."""
+        found = np.zeros(self.trajectory.mesh.segments, bool)
+        found[knots_at(self.trajectory.mesh, measured_fractions(self.trajectory.phase))] = True
+        return found
 
     def same(self, s: int) -> Piece:
         return self.trajectory.mesh.widths[s], self.trajectory.mesh.schemes[s]
@@ -232,14 +240,15 @@ def _divide(pieces: list[list[Piece]], segments: _Segments) -> None:
     Segments with a choice of degree are divided each by itself: they only are where the dynamics are not smooth, and
     knots that have come near to that place are not to leave it again.
     """
-    mesh = segments.trajectory.mesh
+    mesh, passed = segments.trajectory.mesh, np.cumsum(segments.measured)
 
-    def together(s: int) -> tuple[bool, Segment, int]:
-        """What neighbours that are divided together have in common; the last is of each segment that is alone."""
+    def together(s: int) -> tuple[bool, Segment, int, int]:
+        """What neighbours that are divided together have in common; the third is of each segment that is alone, the
+        last of all between two measurements."""
         alone = METHODS[mesh.schemes[s].name].nodes is not None
-        return not pieces[s], mesh.schemes[s], s if alone else -1
+        return not pieces[s], mesh.schemes[s], s if alone else -1, int(passed[s])
 
-    for (wanted, scheme, _), run in groupby(range(mesh.segments), key=together):
+    for (wanted, scheme, *_), run in groupby(range(mesh.segments), key=together):
         if wanted:
             numbers = list(run)
             widths = _spread(mesh.widths[numbers], np.array([segments.parts(s) for s in numbers]))
@@ -259,14 +268,15 @@ def _spread(widths: np.ndarray, parts: np.ndarray) -> np.ndarray:
     return np.diff(np.interp(np.linspace(0.0, passed[-1], count + 1), passed, t))
 
 
-def _merged(pieces: list[list[Piece]], needless: np.ndarray) -> list[list[Piece]]:
-    """Merge neighbours that were not split, have one scheme and nearly one width, and are needless."""
+def _merged(pieces: list[list[Piece]], needless: np.ndarray, measured: np.ndarray) -> list[list[Piece]]:
+    """Merge neighbours that were not split, have one scheme and nearly one width, and are needless; not where something
+    is measured between them."""
     merged, s = [], 0
     while s < len(pieces):
         pair = pieces[s : s + 2]
         if len(pair) == 2 and all(len(p) == 1 for p in pair) and needless[s : s + 2].all():
             (a, one), (b, other) = pair[0][0], pair[1][0]
-            if one is other and 0.5 < a / b < 2:
+            if one is other and 0.5 < a / b < 2 and not measured[s + 1]:
                 merged.append([(a + b, one)])
                 s += 2
                 continue

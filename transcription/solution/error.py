@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.problem import Function, Range
+from ...problems.problem import Complementarity, Function, Range
 from ...problems.text import short_repr
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory
@@ -178,10 +178,22 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
                 f"bounds of {variable.name}", bounds.excess(curve), variable in phase.algebraic,
                 bounds.beyond(curve), _span(curve), variable.unit,
             )  # fmt: skip
-    for constraint in phase.path:
+    relaxed = {own.name for own in phase.complementarity}  # they hold at the points only, or nothing could begin
+    for constraint in (own for own in phase.path if own.name not in relaxed):
         g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
         bounds, name = constraint.bounds, f"path constraint '{constraint.name}'"
         yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), _span(g))
+
+
+def exactness(trajectory: Trajectory) -> Iterator[tuple[Complementarity, float, float]]:
+    """Each pair of which one must be zero, their largest product at the points that the solver holds, and its time."""
+    phase, k = trajectory.phase, trajectory.mesh.collocated
+    t = trajectory.times[k]
+    values = phase.arguments(t, trajectory.x[:, k], trajectory.u[:, k], trajectory.parameters)
+    for pair in phase.complementarity:
+        product = np.broadcast_to(pair.product(values, np), t.shape)
+        worst = int(np.argmax(np.nan_to_num(product, nan=np.inf)))
+        yield pair, float(product[worst]), float(t[worst])
 
 
 def _span(curve: np.ndarray) -> float:

@@ -58,6 +58,10 @@ from .trajectory import Trajectory
 ROUNDING = 1e-11  # relative to 1 + |J|: of sums, of derivatives by differences, and of the engine
 
 
+NOT_UNIQUE = "where one of two things must be zero, multipliers are not unique"
+"""Why nothing that is made of multipliers is told of a problem with complementarity."""
+
+
 @short_repr
 @dataclass(frozen=True)
 class ObjectiveError:
@@ -121,6 +125,8 @@ def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:
         return "nothing is left to optimise, and the engine computes no multipliers"
     if outcome.status is not Status.SOLVED:
         return "the point is not optimal"
+    if any(own.phase.complementarity for own in trajectories):
+        return NOT_UNIQUE
     if any(own.costate is None or not np.isfinite(own.costate).all() for own in trajectories):
         return "there are no finite costates"
     return ""

@@ -9,6 +9,7 @@ from functools import cached_property
 from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
+from ..measured.estimates import Estimates
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
@@ -77,7 +78,8 @@ class Solution:
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
-    on the way to this problem, itself the last. sensitive: computes `sensitivities`.
+    on the way to this problem, itself the last. sensitive: computes `sensitivities`. estimates: of the static
+    parameters, where something is measured.
     """
 
     problem: Problem
@@ -96,6 +98,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     relief: tuple[str, ...] = ()
     continuation: tuple[ContinuationStep, ...] = ()
+    estimates: Estimates | None = None
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)
 
     @cached_property

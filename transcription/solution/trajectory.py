@@ -137,11 +137,17 @@ class Trajectory:
 
     @property
     def point_costate(self) -> np.ndarray:
-        """Costates at the points, shape (n_x, K); the mean of both sides at a knot."""
+        """Costates at the points, shape (n_x, K); the mean of both sides at a knot.
+
+        Where something is measured costates jump at knots: there the sides count as their segments do in what the
+        control at the knot is optimal for.
+        """
         assert self.costate is not None
-        points = self.mesh.slot_points
-        sides = np.bincount(points)
-        return np.stack([np.bincount(points, weights=costate) / sides for costate in self.costate])
+        points, parts = self.mesh.slot_points, np.ones(len(self.mesh.slot_points))
+        if self.phase.measured:
+            parts = np.where(self.mesh.weights[points] > 0, self.mesh.slot_parts, 1.0)
+        total = np.bincount(points, weights=parts)
+        return np.stack([np.bincount(points, weights=parts * costate) / total for costate in self.costate])
 
     def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
         """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""

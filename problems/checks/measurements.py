@@ -1,0 +1,161 @@
+"""What is wrong with measurements: columns, what they are compared with, times, how exact they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..expressions.functions import is_inconsistent
+from ..expressions.tree import Operation, nodes
+from ..measured import compared
+from ..names.occurrences import measured_path
+from ..names.symbols import Symbols, with_article
+from ..problem import Range
+from ..schema.measurements import MeasuredEntry
+from ..schema.spec import Spec
+from ..tables.series import TIME
+from ..text import brief, did_you_mean, shorten
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+from .names import name_trouble
+
+MAX_TIMES = 2000
+"""Distinct ones of a phase: each is a knot of every mesh."""
+
+
+def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
+    """Every mistake in the measurements of a phase.
+
+    spec, symbols: of the phase.
+    times: ranges of its initial and its final time, None where mistaken.
+    """
+    if not spec.measurements:
+        return
+    first: Path = ("measurements", next(iter(spec.measurements)))
+    if spec.objective.sense == "maximize":
+        yield Finding(
+            first,
+            "squared residuals are minimised, and the objective is maximised",
+            "write minimize: with the sign of the terms changed",
+        )
+    if all(own is not None and not own.fixed for own in times[:1]) or all(
+        own is not None and not own.fixed for own in times[1:]
+    ):
+        what = "the times of measurements are knots of the mesh, and here an end of the time is free"
+        yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")
+    for name, entry in spec.measurements.items():
+        path: Path = ("measurements", name)
+        if trouble := name_trouble(name, ()):
+            yield Finding(path, *trouble)
+        if entry.data:
+            yield from _columns(entry, path, symbols)
+            yield from _values(entry, path, symbols)
+            yield from _times(entry, path, times)
+        yield from _functions(entry, path, symbols)
+    distinct = {own for entry in spec.measurements.values() for own in entry.data.get(TIME, ())}
+    if len(distinct) > MAX_TIMES:
+        what = f"there are {len(distinct)} distinct times, and each is a knot of the mesh"
+        yield Finding(first, what, f"leave out some, up to {MAX_TIMES} remain; neighbours may be averaged")
+
+
+def measurement_warnings(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """Columns that count for nothing.
+
+    spec, symbols: of the phase.
+    """
+    for name, entry in spec.measurements.items():
+        path = _place(entry, ("measurements", name))
+        used = {TIME, *compared(entry, symbols), *_named(entry)}
+        others = [column for column in entry.data if column not in used]
+        if others:
+            known = [state.name for state in symbols.states]
+            remedy = did_you_mean(others[0], known, "say by compare: what they measure, if they do")
+            what = f"columns count for nothing: {shorten(', '.join(map(brief, others)))}"
+            yield Finding(path, what, remedy)
+
+
+def _named(entry: MeasuredEntry) -> list[str]:
+    """The columns that say how exact others are."""
+    given = entry.deviations if entry.deviations is not None else entry.weights
+    own = given.values() if isinstance(given, dict) else [given]
+    return [name for name in own if isinstance(name, str)]
+
+
+def _place(entry: MeasuredEntry, path: Path) -> Path:
+    return (*path, "file" if entry.source else "data")
+
+
+def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Finding]:
+    """Columns that are named are there."""
+    columns = [column for column in entry.data if column != TIME]
+    listed = f"the columns are {', '.join(map(brief, columns))}"
+    for column in entry.compare:
+        if column not in columns:
+            what = f"there is no column {brief(column)}"
+            yield Finding((*path, "compare", column), what, did_you_mean(column, columns, listed))
+    for key in ("deviations", "weights"):
+        given = getattr(entry, key)
+        for column, own in given.items() if isinstance(given, dict) else [("", given)]:
+            place = (*path, key, column) if column else (*path, key)
+            if column and column not in columns:
+                yield Finding(place, f"there is no column {brief(column)}", did_you_mean(column, columns, listed))
+            if isinstance(own, str) and own not in columns:
+                yield Finding(place, f"there is no column {brief(own)}", did_you_mean(own, columns, listed))
+    if not entry.compare and not compared(entry, symbols) and not symbols.findings:
+        known = [state.name for state in symbols.states]
+        remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {known[0]}}}")
+        yield Finding(_place(entry, path), f"no column is named as a state: {', '.join(map(brief, columns))}", remedy)
+
+
+def _values(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Finding]:
+    """Every column has a value, and deviations and weights are positive where there is one."""
+    for column in compared(entry, symbols):
+        row = entry.data.get(column)
+        if row is None:
+            continue
+        if all(value is None for value in row):
+            yield Finding(_place(entry, path), f"the column {brief(column)} has no values", "remove it, or fill it in")
+        own = entry.exactness(column)
+        key = "deviations" if entry.deviations is not None else "weights"
+        if isinstance(entry.deviations, dict) and own is None:
+            what = f"{brief(column)} has no standard deviation"
+            yield Finding((*path, key), what, f"add {column}: with a number, or the name of a column of them")
+        for i, exactness in enumerate(entry.data.get(own, ()) if isinstance(own, str) else ()):
+            if row[i] is not None and (exactness is None or exactness <= 0):
+                shown = "missing" if exactness is None else f"{exactness:g}"
+                when = f"at time {entry.data[TIME][i]:g}"
+                what = f"{own} of {column} is {shown} {when}"
+                yield Finding(_place(entry, path), what, "write a positive number, or leave the measurement out too")
+                break
+
+
+def _times(entry: MeasuredEntry, path: Path, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
+    """Measurements lie within the time of the phase."""
+    initial, final = times
+    if initial is None or final is None or not (initial.fixed and final.fixed):
+        return
+    near = 1e-9 * (final.lower - initial.lower)
+    outside = [t for t in entry.data[TIME] if not initial.lower - near <= t <= final.lower + near]
+    if outside:
+        what = f"the time {outside[0]:g} is not from {initial.lower:g} to {final.lower:g}"
+        yield Finding(_place(entry, path), what, "change time: of the problem, or leave these measurements out")
+
+
+def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Finding]:
+    """What is measured depends on states, and on nothing that is free at an instant."""
+    states = {state.name for state in symbols.states}
+    for column, expression in entry.compare.items():
+        place = measured_path(path, column)
+        if not symbols.sound(place, expression):
+            continue
+        names = symbols.function(expression).names
+        others = sorted(names - states - symbols.static - {"t"})
+        if others:
+            role = with_article(symbols.roles.get(others[0], "unknown"))
+            what = f"{others[0]} is {role}, whose value at one instant costs nothing, so it cannot be measured there"
+            yield Finding(place, what, f"make {others[0]} a state, and its rate the control")
+        elif not names & (states | symbols.static):
+            yield Finding(place, "this depends on nothing that is to be found", "compare with states or parameters")
+        for node in nodes(expression.root):
+            if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
+                what = f"{node.symbol} is not smooth"
+                yield Finding(place, what, "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)")

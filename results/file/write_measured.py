@@ -1,0 +1,62 @@
+"""Measurements in a result file, beside the solution there; and the estimated parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+from .arrays import array_of, group_of, scale_of
+
+if TYPE_CHECKING:
+    from ...problems.problem import Problem
+    from ...transcription.measured.estimates import Estimates
+    from ...transcription.solution.trajectory import Trajectory
+
+
+def write_measured(group: h5py.Group, trajectory: Trajectory) -> None:
+    """Write the measurements of a phase, quantity by quantity.
+
+    group: of the measurements of the phase, empty.
+    trajectory: the solved phase.
+    """
+    phase = trajectory.phase
+    states = [state.name for state in phase.states]
+    for own in phase.measured:
+        x = trajectory.at((own.times - trajectory.t[0]) / (trajectory.t[1] - trajectory.t[0])).x
+        values = {"t": own.times, **dict(zip(states, x, strict=True)), **trajectory.parameters}
+        with np.errstate(all="ignore"):
+            model = np.broadcast_to(own.function(values, np), own.times.shape)
+        one = group_of(group, own.name)
+        number = scale_of(one, "measurement", np.arange(len(own.times)), "number of the measurement")
+        array_of(one, "time", own.times, [number], "time of the measurement", unit=phase.time_unit)
+        array_of(one, "value", own.values, [number], f"measured {own.column}", unit=own.unit)
+        known = "standard deviation" if own.exact else "standard deviation, up to a factor that all have"
+        array_of(one, "deviation", own.deviations, [number], known, unit=own.unit)
+        array_of(one, "model", model, [number], f"{own.expression} of the solution", unit=own.unit)
+        one.attrs["expression"] = own.expression
+
+
+def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> None:
+    """Write estimated parameters and how exact they are.
+
+    group: empty.
+    problem: says the units of the parameters.
+    found: of the solution.
+    """
+    names = scale_of(group, "parameter", list(found.names), "estimated parameter")
+    array_of(group, "value", found.values, [names], "estimate")
+    array_of(group, "standard_error", found.deviations, [names], "standard error; none for a parameter on its bound")
+    other = scale_of(group, "other", list(found.names), "estimated parameter")
+    array_of(group, "correlation", found.correlation, [names, other], "correlation of the estimates")
+    group.attrs.update(
+        {
+            "residuals": found.residuals,
+            "measurements": found.measurements,
+            "free": found.free,
+            "scale": found.scale,
+            "given": found.given,
+            "missing": found.why_not,
+        }
+    )
