@@ -7,8 +7,9 @@ import pytest
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
 from trajopt.transcription.loading import load_file
+from trajopt.transcription.refinement.basin import left_basin
 from trajopt.transcription.settings import settings_of, steps
-from trajopt.transcription.solve import left_basin, solve
+from trajopt.transcription.solve import solve
 
 TWO_OPTIMA = """\
 trajopt: 1

@@ -18,6 +18,7 @@ from .layout import Transcription, bounded_start
 from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
+from .refinement.chatter import UNDAMPED, Damping
 from .scaling import scale
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -89,10 +90,14 @@ class Watch:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any."""
+    """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any.
+
+    damping: of controls that chattered there.
+    """
 
     guess: Sequence[Curves] | None
     solved: Solved | None
+    damping: Damping = UNDAMPED
 
 
 def solve_mesh(
@@ -117,7 +122,7 @@ def solve_mesh(
     solution, solved = run(coarse, start=start, watch=watch)
     history = solution.meshes
     if solution.status.usable:
-        near = Origin(solution.trajectories, solved)
+        near = Origin(solution.trajectories, solved, start.damping)
         solution, solved = run(meshes, start=near, watch=watch.next(1))
         history += solution.meshes
     if not solution.status.usable and solution.status is not Status.INTERRUPTED:
@@ -149,30 +154,42 @@ def _run(
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
+    damped = start.damping.of(nlp, transcription)
     outcome = engine_solve(settings.engine)(
-        nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
+        damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
     )
     clock.append(time.perf_counter())
-    return _measured(transcription, nlp, outcome, tolerance, clock)
+    return _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
 
 
 def _measured(
-    transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, tolerance: float, clock: list[float]
+    transcription: Transcription,
+    nlp: NonlinearProgram,
+    outcome: Outcome,
+    damping: Damping,
+    tolerance: float,
+    clock: list[float],
 ) -> Found:
-    """The solution of an outcome; clock: as of `_seconds`, but for the last time."""
+    """The solution of an outcome; clock: as of `_seconds`, but for the last time.
+
+    The objective is that of the problem itself; what damping is worth is in the error bar.
+    """
+    if worth := damping.worth(nlp, transcription, outcome.z):
+        outcome = replace(outcome, objective=outcome.objective - worth)
     problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
     bar = objective_error(transcription, nlp, outcome, phases)
+    bar = replace(bar, bar=bar.bar + worth)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
     record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
         problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
     )
-    return solution, Solved(transcription, nlp, outcome, phases)
+    return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 
 
 @np.errstate(all="ignore")
@@ -201,12 +218,15 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
     scaling = None if settings.scaling is None else scale(solved.transcription, nlp, z, settings.scaling)
     start = Start(solved.outcome.y, solved.outcome.z_lower, solved.outcome.z_upper)
+    damped = solved.damping.of(nlp, solved.transcription)
     outcome = engine_solve(settings.engine)(
-        nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
+        damped or nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
     )
     if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
         return found
-    better, again = _measured(solved.transcription, nlp, outcome, tolerance, [began] * 3 + [time.perf_counter()])
+    better, again = _measured(
+        solved.transcription, nlp, outcome, solved.damping, tolerance, [began] * 3 + [time.perf_counter()]
+    )
     return replace(better, meshes=(*solution.meshes[:-1], added(solution.meshes[-1], better.meshes[-1]))), again
 
 

@@ -8,15 +8,15 @@ from dataclasses import replace
 from functools import partial
 from itertools import count
 
-import numpy as np
-
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
 from .measured.knots import measured_fractions, with_knots
-from .one_mesh import Found, Limit, Origin, Watch, solve_mesh, tightened
+from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
+from .refinement.basin import left_basin, unmeasurable
+from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
 from .schemes.mesh import Mesh
@@ -35,8 +35,9 @@ ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solv
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
 
-GAP_SHARE = 1e-3
-"""Of the accuracy that is asked for, relative to 1 + |J|: the gap that the engine's barrier may leave."""
+GAP_SHARE, DAMPING_SHARE = 1e-3, 0.1
+"""Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave, and what the damping of
+controls that chatter may be worth."""
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
@@ -112,7 +113,8 @@ class _Loop:
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
-    tolerance. notes: what was done beyond what was asked.
+    tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
+    weakest: controls chatter with weaker damping.
     """
 
     def __init__(
@@ -129,6 +131,7 @@ class _Loop:
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
+        self.rough = self.weakest = False
 
     def run(self, start: Origin) -> Solution:
         for number in count():
@@ -140,9 +143,9 @@ class _Loop:
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
                 break
-            start = Origin(found[0].trajectories, found[1])
             if self.settings.refine and number + 1 >= self.scheduled:
-                self._refine(number, found[0], self.settings.refine)
+                self._refine(number, found, self.settings.refine)
+            start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
                 break
             if self.limit.reached():
@@ -154,7 +157,7 @@ class _Loop:
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        solution, solved = run(*self.steps[number], self.settings, start, watch)
+        solution, solved = self._calmed(number, run(*self.steps[number], self.settings, start, watch), watch)
         self.notes += solution.notes
         solution = _out_of_time(solution, self.limit)
         if self.last is None:
@@ -167,11 +170,34 @@ class _Loop:
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
 
+    def _calmed(self, number: int, found: Found, watch: Watch) -> Found:
+        """The solution with damped controls where they chatter; as it is where they do not, or where that is worse."""
+        solution, solved = found
+        if self.rough or not self.settings.refine or self.settings.engine != "ipopt" or not solution.status.usable:
+            return found
+        if not (rough := chatter(solution.trajectories, solved.transcription)):
+            return found
+        damping = solved.damping.joined(rough, solution.objective)
+        if len(damping.controls) == len(solved.damping.controls):
+            damping, self.weakest = damping.stronger(), True
+        calm = solve_mesh(*self.steps[number], self.settings, Origin(solution.trajectories, None, damping), watch)
+        if not calm[0].status.usable or left_basin(solution, calm[0]):
+            self.rough = True
+            return found
+        records = (*solution.meshes[:-1], added(solution.meshes[-1], calm[0].meshes[-1]))
+        return replace(calm[0], meshes=records, notes=solution.notes), calm[1]
+
+    def _damping(self, found: Found) -> Damping:
+        """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""
+        solution, solved = found
+        dear = solved.worth > DAMPING_SHARE * _accuracy(self.settings.refine) * (1 + abs(solution.objective))
+        return solved.damping.weaker() if dear and not self.unmet and not self.weakest else solved.damping
+
     def _again(self, number: int, left: Found, start: Origin, watch: Watch) -> Found | None:
         """A mesh whose solve left the basin, solved without the multipliers of the mesh before; None if that is no
         better, and the solution before stands."""
         assert self.last is not None
-        found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None), watch)
+        found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None, start.damping), watch)
         segments = left[0].meshes[-1].segments
         told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
         if found[0].status.usable and not left_basin(self.last[0], found[0]):
@@ -180,9 +206,10 @@ class _Loop:
         self.stopped = f"{told}, which is worse than {self.last[0].objective:.8g} by more than both error bars"
         return None
 
-    def _refine(self, number: int, solution: Solution, refine: Refine) -> None:
+    def _refine(self, number: int, found: Found, refine: Refine) -> None:
         """Add the next mesh, if there is to be one, and say what is not good enough."""
-        if why_not := _unmeasurable(solution):
+        solution = found[0]
+        if why_not := unmeasurable(solution):
             self.stopped = why_not
             return
         merge = number + 1 - self.scheduled <= MERGING_MESHES
@@ -190,6 +217,8 @@ class _Loop:
         exact = min(self.steps[self.scheduled - 1][2], _asked(refine))  # what is looser shows in the error
         goal = Goal(refine.objective, solution) if refine.objective else None
         self.unmet, more = _refined(self.steps[number], solution, refine, exact, merge, left, goal)
+        if not self.unmet and not more and left > 0 and self._damping(found) != found[1].damping:
+            more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
@@ -202,7 +231,8 @@ class _Loop:
         gap = _gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
-        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=self.notes)
+        notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
+        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
         sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
         solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
@@ -226,25 +256,6 @@ def _why_stopped(mesh: MeshRecord) -> str:
     return f"the next mesh, of {mesh.segments} segments, {what}"
 
 
-def left_basin(before: Solution, after: Solution) -> bool:
-    """Whether the objective of a finer mesh is worse than that of the mesh before by more than both error bars.
-
-    Then it belongs to another optimum: on one and the same, both bars hold the exact value.
-    """
-    if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
-        return False
-    worse = before.problem.sense * (after.objective - before.objective)
-    return worse > before.objective_error.bar + after.objective_error.bar
-
-
-def _unmeasurable(solution: Solution) -> str:
-    """Why no refinement can help: residuals that do not determine the rates leave no error to measure; or ""."""
-    implicit = [e for t, e in zip(solution.trajectories, solution.errors, strict=True) if t.phase.algebraic]
-    if any(not np.isfinite(error.relative).any() for error in implicit):
-        return "the residuals do not determine the rates (index above 1), so the error cannot be estimated"
-    return ""
-
-
 def _asked(refine: Refine) -> float:
     """The engine's tolerance on the last mesh, as far as refinement has a say: what it leaves is part of the bar."""
     return refine.tolerance if refine.objective is None else max(ENGINE_SHARE * refine.objective, FINEST)
@@ -252,8 +263,13 @@ def _asked(refine: Refine) -> float:
 
 def _gap(refine: Refine | None, objective: float) -> float:
     """What the barrier may leave of the objective: a part of the accuracy that is asked for, or that is the default."""
+    return GAP_SHARE * _accuracy(refine) * (1 + abs(objective))
+
+
+def _accuracy(refine: Refine | None) -> float:
+    """The accuracy that is asked for, or that is the default."""
     asked = refine or Refine()
-    return GAP_SHARE * (asked.objective or asked.tolerance) * (1 + abs(objective))
+    return asked.objective or asked.tolerance
 
 
 def _refined(

@@ -32,14 +32,9 @@ def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None
         return
     first: Path = ("measurements", next(iter(spec.measurements)))
     if spec.objective.sense == "maximize":
-        yield Finding(
-            first,
-            "squared residuals are minimised, and the objective is maximised",
-            "write minimize: with the sign of the terms changed",
-        )
-    if all(own is not None and not own.fixed for own in times[:1]) or all(
-        own is not None and not own.fixed for own in times[1:]
-    ):
+        what = "squared residuals are minimised, and the objective is maximised"
+        yield Finding(first, what, "write minimize: with the sign of the terms changed")
+    if any(own is not None and not own.fixed for own in times):
         what = "the times of measurements are knots of the mesh, and here an end of the time is free"
         yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")
     for name, entry in spec.measurements.items():
@@ -100,7 +95,8 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
                 yield Finding(place, f"there is no column {brief(column)}", did_you_mean(column, columns, listed))
             if isinstance(own, str) and own not in columns:
                 yield Finding(place, f"there is no column {brief(own)}", did_you_mean(own, columns, listed))
-    if not entry.compare and not compared(entry, symbols) and not symbols.findings:
+    declared = any(symbols.roles.get(column) == "expression" for column in columns)  # and is mistaken itself
+    if not entry.compare and not compared(entry, symbols) and not declared:
         known = [state.name for state in symbols.states]
         remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {known[0]}}}")
         yield Finding(_place(entry, path), f"no column is named as a state: {', '.join(map(brief, columns))}", remedy)
@@ -155,7 +151,9 @@ def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[F
             yield Finding(place, what, f"make {others[0]} a state, and its rate the control")
         elif not names & (states | symbols.static):
             yield Finding(place, "this depends on nothing that is to be found", "compare with states or parameters")
-        for node in nodes(expression.root):
+        function = symbols.function(expression)
+        roots = [expression.root, *(definition.root for definition, _ in function.steps.values())]
+        for node in (node for root in roots for node in nodes(root)):
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
                 what = f"{node.symbol} is not smooth"
                 yield Finding(place, what, "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..expressions.tree import Lookup, Name, nodes
+from ..measured import compared
 from ..models import find_model
 from ..names.occurrences import uses
 from ..names.symbols import ALGEBRAIC, CONTROL, TABLE, Symbols
@@ -34,6 +35,7 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     if spec.model:
         model = find_model(spec.model)
         named |= {*model.parameters, *model.controls, *model.algebraic}
+    named |= {column for entry in spec.measurements.values() for column in compared(entry, symbols)}
     outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
     outputs = {name for name in outputs if "(" not in name}.union(called)
     for name, role in symbols.roles.items():

@@ -8,6 +8,7 @@ interpolant, never straight lines between the points of the mesh.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from math import ceil, inf, log
 from typing import Any
 
@@ -17,7 +18,7 @@ from matplotlib.figure import Figure
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import TOLERATED_EXCESS, Range
-from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result
 from .style import (
     BLACK,
     GREY,
@@ -157,9 +158,10 @@ def set_times(ax: Axes, phases: Sequence[PhaseCurves]) -> None:
 
 def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> None:
     across = ax.get_xaxis_transform()
+    together = any(after.knots[0] < before.knots[-1] - NEAR * duration for before, after in pairwise(phases))
     for number, phase in enumerate(phases):
         first, last = phase.knots[[0, -1]]
-        if number % 2:
+        if number % 2 and not together:
             ax.axvspan(first, last, color=GREY, alpha=0.1, linewidth=0, zorder=0)
         room = width_of(ax) * (last - first) / max(duration, 1e-300)
         if len(phase.name) * SMALL_LETTER <= room:

@@ -22,6 +22,13 @@ from .problem import LoadedProblem
 from .time_function import Array, TimeFunction
 
 
+class Estimate(NamedTuple):
+    """A static parameter that was estimated from measurements; standard_error: NaN where there is none."""
+
+    value: float
+    standard_error: float
+
+
 class ErrorEstimate(NamedTuple):
     """The error of a solution, as it was measured on the last mesh.
 
@@ -198,6 +205,7 @@ class SolutionView(_Named):
     meshes: how the solve on each mesh went, in turn.
     error: of the last mesh.
     phases: name -> phase.
+    estimates: static parameter -> its estimate, where something was measured.
     """
 
     problem: LoadedProblem
@@ -212,6 +220,7 @@ class SolutionView(_Named):
     phases: Mapping[str, PhaseView]
     _make_image: Callable[[], bytes]
     _make_sensitivities: Callable[[], SensitivitiesView]
+    estimates: Mapping[str, Estimate]
 
     @cached_property
     def sensitivities(self) -> SensitivitiesView:

@@ -20,7 +20,7 @@ from ..file.summary import causes, summarize
 from ..file.write import image_of
 from .messages import python_words, remedy_in_python
 from .problem import LoadedProblem
-from .solution import ErrorEstimate, PhaseView, SensitivitiesView, SolutionView
+from .solution import ErrorEstimate, Estimate, PhaseView, SensitivitiesView, SolutionView
 
 COMMAND = "trajopt.solve(...)"
 """What a result file tells as the command."""
@@ -65,6 +65,7 @@ def solve(
         phases=_phases(solution.trajectories),
         _make_image=partial(image_of, solution, spec.text, spec.model_dump_json(), COMMAND, spec.overrides),
         _make_sensitivities=partial(_sensitivities, solution),
+        estimates=_estimates(solution),
     )
 
 
@@ -91,11 +92,26 @@ def read(path: str | Path) -> SolutionView:
         phases=_phases(again.trajectories),
         _make_image=partial(bytes, source.read_bytes()),
         _make_sensitivities=partial(_stored_sensitivities, summary["sensitivities"]),
+        estimates=_stored_estimates(summary["estimates"]),
     )
 
 
 def _error(meshes: Sequence[MeshRecord], objective: float) -> ErrorEstimate:
     return ErrorEstimate(meshes[-1].max_eta, meshes[-1].relative_error, objective)
+
+
+def _estimates(solution: Solution) -> dict[str, Estimate]:
+    found = solution.estimates
+    if found is None:
+        return {}
+    rows = zip(found.names, found.values.tolist(), found.deviations.tolist(), strict=True)
+    return {name: Estimate(value, error) for name, value, error in rows}
+
+
+def _stored_estimates(stored: dict[str, Any] | None) -> dict[str, Estimate]:
+    parameters = stored["parameters"] if stored else {}
+    return {name: Estimate(*(nan if own[key] is None else own[key] for key in Estimate._fields))
+            for name, own in parameters.items()}  # fmt: skip
 
 
 def _sensitivities(solution: Solution) -> SensitivitiesView:

@@ -6,7 +6,9 @@ import stored
 from scipy.optimize import least_squares
 from scipy.special import lambertw
 
+import trajopt
 from trajopt.problems.build import build
+from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.transcription.settings import schedule_of, settings_of
 from trajopt.transcription.solve import solve
@@ -167,3 +169,32 @@ def test_why_there_are_no_standard_errors():
     )
     assert estimates_of(steered).why_not.startswith("with controls, nothing tells how exact the measurements are")
     assert estimates_of(steered.replace("weights: {x: s}", "deviations: s")).deviations[0] > 0
+
+
+STARTED = """
+trajopt: 1
+parameters: {c: 2.0, x0: 1.0}
+expressions: {signal: c*x}
+time: {initial: 0, final: 2}
+states: {x: {rate: -k*x, initial: x0}}
+optimize: {k: {lower: 0, upper: 5, guess: 1}}
+measurements: {d: {data: {time: [0.5, 1, 2], signal: [1.2, 0.7, 0.3]}, deviations: 0.05}}
+mesh: [{method: radau, segments: 6}]
+"""
+
+
+def test_sensitivities_to_numbers_in_what_is_measured(tmp_path):
+    """The signal is c x0 exp(-k t): the objective changes alike with c/2 and with x0."""
+    solution = trajopt.solve(trajopt.load(STARTED))
+    assert not load_text(STARTED, "x.yaml").warnings
+    up, down = (trajopt.solve(trajopt.load(STARTED, {"parameters.c": 2 + h})).objective for h in (1e-4, -1e-4))
+    of_c, of_x0 = (solution.sensitivities[f"parameters.{name}"] for name in ("c", "x0"))
+    assert of_c == pytest.approx((up - down) / 2e-4, rel=1e-5) and of_x0 == pytest.approx(2 * of_c, rel=1e-6)
+    again = trajopt.read(solution.save(tmp_path / "a.h5"))
+    assert again.estimates == solution.estimates and again.estimates["k"].standard_error > 0
+
+
+def test_a_mistaken_expression_that_is_measured_is_told_once():
+    with pytest.raises(SpecError) as error:
+        load_text(STARTED.replace("signal: c*x", "signal: c*y"), "x.yaml")
+    assert [mistake.what for mistake in error.value.mistakes] == ['unknown name "y"']

@@ -10,11 +10,11 @@ x(t_m) is the unknown state at the knot at t_m, so that derivatives are exact:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...problems.problem import Phase
+from ...problems.problem import Measured, Phase
 from ..layout import Layout
 from ..program.contract import cross_factor
 from ..program.pointwise import PointFunctions
@@ -86,3 +86,22 @@ class Residuals:
         H = self.functions.hessian(arguments, slopes) + np.einsum("kj,kja,kjb->kab", 2 * self.weights, J, J)
         i, j = self.lower
         return (H[:, i, j] * self.factor).ravel()
+
+
+def squares_with(
+    layout: Layout, own: Measured, z: np.ndarray, p: Mapping[str, float], name: str, value: float
+) -> float:
+    """The sum of weighted squares of one quantity with another number for a parameter of the file.
+
+    layout: of the phase.
+    own: the quantity, whose function is an expression.
+    z: the unknowns.
+    p: the static parameters.
+    name: of the parameter.
+    value: its number.
+    """
+    phase = layout.phase
+    start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
+    x = z[layout.x[:, layout.mesh.knots[knots_at(layout.mesh, (own.times - start) / duration)]]]
+    values = {TIME: own.times, **dict(zip((state.name for state in phase.states), x, strict=True)), **p, name: value}
+    return float((own.weights * (own.function(values, np) - own.values) ** 2).sum())

@@ -27,11 +27,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...problems.expressions.expression import Expression
 from ...problems.expressions.given import EPSILON, Given, difference
 from ...problems.problem import Problem, Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
-from ..layout import BETWEEN, Transcription, range_of_rows
+from ..layout import BETWEEN, Layout, Transcription, range_of_rows
+from ..measured.residuals import squares_with
 from ..method_kind import Number, Numbers
 from ..program.contract import NonlinearProgram, NotFinite
 
@@ -139,6 +141,21 @@ class _Program:
             for name in function.constants:
                 if (phase, name) not in self.numbers:
                     self.sums.add(function.parameters[name], nan, LITERAL)
+        for layout in self.transcription.phases:
+            self._of_measurements(layout)
+
+    def _of_measurements(self, layout: Layout) -> None:
+        """Parameters in what is compared with measurements: these are no part of the program's own objective."""
+        p = dict(zip((own.name for own in self.problem.parameters), self.outcome.z[self.transcription.parameters],
+                     strict=True))  # fmt: skip
+        for own in layout.phase.measured:
+            function = own.function
+            if not isinstance(function, Expression):
+                continue
+            for name in function.constants:
+                squares = partial(squares_with, layout, own, self.outcome.z, p, name)
+                number = function.parameters[name]
+                self.sums.add(number, difference(squares, number, self.rounding))
 
     def _lagrangian(self, number: Number, value: float) -> float:
         """f + y . g with another number."""
@@ -198,7 +215,8 @@ class _Program:
 def _written(problem: Problem) -> Iterator[float]:
     """All parameters of the file, as far as a function could use them."""
     seen: set[int] = set()
-    for _, function in _functions(problem):
+    measured = [("", own.function) for phase in problem.phases for own in phase.measured]
+    for _, function in [*_functions(problem), *measured]:
         if id(function.parameters) not in seen:
             seen.add(id(function.parameters))
             yield from function.parameters.values()

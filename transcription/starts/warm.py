@@ -21,18 +21,25 @@ from ..constraint_kinds import Multiplier
 from ..engines.outcome import Outcome, Start
 from ..layout import BETWEEN, Family, Layout, Transcription
 from ..program.contract import NonlinearProgram
+from ..refinement.chatter import UNDAMPED, Damping
 from ..solution.trajectory import Trajectory
 
 
 @short_repr
 @dataclass(frozen=True)
 class Solved:
-    """What a solve leaves for the next one."""
+    """What a solve leaves for the next one.
+
+    nlp, outcome: the program of the problem itself, and its objective. damping: of controls that chattered,
+    worth: what that adds to it.
+    """
 
     transcription: Transcription
     nlp: NonlinearProgram
     outcome: Outcome
     trajectories: tuple[Trajectory, ...]
+    damping: Damping = UNDAMPED
+    worth: float = 0.0
 
     def has_densities(self, transcription: Transcription) -> bool:
         """Whether both this mesh and the next give multipliers a meaning over time."""

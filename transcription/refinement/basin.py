@@ -1,0 +1,31 @@
+"""Whether the solution of a mesh is to be believed, and whether a finer mesh can help."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..solution.solution import Solution
+
+UNTRUE = 10.0
+"""Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
+
+
+def left_basin(before: Solution, after: Solution) -> bool:
+    """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
+
+    Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
+    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
+    """
+    if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
+        return False
+    loss = before.problem.sense * (after.objective - before.objective)
+    untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
+    return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
+
+
+def unmeasurable(solution: Solution) -> str:
+    """Why no refinement can help: residuals that do not determine the rates leave no error to measure; or ""."""
+    implicit = [e for t, e in zip(solution.trajectories, solution.errors, strict=True) if t.phase.algebraic]
+    if any(not np.isfinite(error.relative).any() for error in implicit):
+        return "the residuals do not determine the rates (index above 1), so the error cannot be estimated"
+    return ""
