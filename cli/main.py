@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import os
+import sys
+
 from . import signals
+
+GARBAGE = (200_000, 20, 100)
+"""Thresholds of the collector of garbage. Loading and one solve stay below the first, so that nothing is collected;
+what goes on for longer is, at intervals that cost little."""
 
 
 def main() -> None:
@@ -12,6 +20,7 @@ def main() -> None:
     """
     signals.end_on_signals()
     _with_docstrings()
+    _travel_light()
     from . import streams  # what takes time to load comes after
 
     streams.open_closed_ones()
@@ -22,12 +31,16 @@ def main() -> None:
 
 def _with_docstrings() -> None:
     """Pyomo does not work without docstrings: start again, with PYTHONOPTIMIZE=1 in place of 2."""
-    import os
-    import sys
-
     if sys.flags.optimize > 1 and os.environ.get("PYTHONOPTIMIZE", "1") != "1":
         os.environ["PYTHONOPTIMIZE"] = "1"
         os.execv(sys.executable, sys.orig_argv)
+
+
+def _travel_light() -> None:
+    """Leave out what a short process has no use of: a twentieth of its time goes into looking for garbage, and some
+    into a search of all installed packages for plugins of pydantic."""
+    gc.set_threshold(*GARBAGE)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
 def _run() -> int:

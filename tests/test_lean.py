@@ -12,11 +12,11 @@ START = "from trajopt.cli.main import main; main()"
 @pytest.mark.parametrize(
     ("command", "lacks"),
     [
-        ("--help", HEAVY | {"pydantic", "pyomo.core", "h5py", "pint"}),
+        ("--help", HEAVY | {"pydantic", "pyomo.core", "h5py", "pint", "multiprocessing"}),
         ("solve --help", HEAVY | {"pyomo.core", "h5py", "pint"}),
         ("check cartpole", HEAVY),
         ("check van_der_pol", HEAVY | {"pint"}),  # a file without units
-        ("solve block_move_min_force -q -o a.h5", HEAVY | {"pint"}),
+        ("solve block_move_min_force -q -o a.h5", HEAVY | {"pint", "multiprocessing", "numpy.ma", "numpy.random"}),
     ],
 )
 def test_a_command_imports_what_it_needs(command, lacks, folder):

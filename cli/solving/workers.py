@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import threading
@@ -27,6 +26,8 @@ def prepare(flag: Any) -> None:
 
 def _end_with_parent() -> None:
     """However the parent ends, also by kill -9."""
+    import multiprocessing
+
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()

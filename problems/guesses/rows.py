@@ -9,6 +9,7 @@ import numpy as np
 
 from ..expressions.expression import Expression
 from ..schema.sections import GuessEntry
+from ..sets import distinct
 from ..tables.series import TIME
 
 APART = 1e-9
@@ -63,7 +64,7 @@ def combined(values: Mapping[str, Row], s: np.ndarray) -> tuple[np.ndarray, dict
     values: name -> row.
     s: places that should be among them.
     """
-    places = np.unique(np.concatenate([[0.0, 1.0], s, *(row.s for row in values.values())]))
+    places = distinct(np.concatenate([[0.0, 1.0], s, *(row.s for row in values.values())]))
     places = places[(places >= 0) & (places <= 1)]
     places = places[np.diff(places, prepend=-1.0) > APART]
     places[-1] = 1.0

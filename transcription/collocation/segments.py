@@ -22,6 +22,7 @@ import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet, Set
 
 from ...problems.problem import Curves, State
+from ...problems.sets import without
 from ..constraint_kinds import DEFECT
 from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
@@ -41,8 +42,8 @@ class CollocationBuilder(PhaseBuilder):
         eliminated = [[node for node, _ in scheme.eliminated] for scheme in self.schemes]
         pairs = zip(self.mesh.groups, eliminated, strict=True)
         gone = np.concatenate([group.nodes[:, np.array(nodes, int)].ravel() for group, nodes in pairs])
-        self.kept = np.setdiff1d(self.mesh.slot_points, gone)
-        self.explicit = np.setdiff1d(self.mesh.collocated, gone)
+        self.kept = without(self.mesh.slot_points, gone)
+        self.explicit = without(self.mesh.collocated, gone)
 
     def stored(self) -> tuple[list[str], np.ndarray]:
         return self.names, self.kept

@@ -31,6 +31,7 @@ from itertools import groupby
 import numpy as np
 
 from ...problems.problem import TOLERATED_EXCESS
+from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..measured.knots import knots_at, measured_fractions
 from ..schemes.mesh import Mesh
@@ -171,7 +172,7 @@ class _Segments:
         ratio = error / (MARGIN * self.tolerance) if np.isfinite(error) else np.inf
         if self.inexact[s] > MARGIN and (jump := self.switches.jump(s)):
             cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
-            return [(width * part, scheme) for part in np.diff(np.unique([0.0, *cuts, 1.0]))]
+            return [(width * part, scheme) for part in np.diff(distinct(np.array([0.0, *cuts, 1.0])))]
         if raised := self._raised(s, ratio):
             return [(width, raised)]
         if kink := self._kink(s):

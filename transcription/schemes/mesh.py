@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .segment import Group, Segment
 
@@ -113,7 +114,7 @@ class Mesh:
     @cached_property
     def collocated(self) -> np.ndarray:
         """The numbers of the collocation points."""
-        return np.unique(np.concatenate([group.collocated.ravel() for group in self.groups]))
+        return distinct(np.concatenate([group.collocated.ravel() for group in self.groups]))
 
     @cached_property
     def fractions(self) -> np.ndarray:

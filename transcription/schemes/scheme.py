@@ -26,6 +26,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
+from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
 from .segment import Group, Interpolant, KindOfMethod, Points, Segment
@@ -125,7 +126,7 @@ class Scheme:
         if not self.differential:
             return None
         counts = np.count_nonzero(self.R, axis=1)
-        return [(int(n), np.flatnonzero(counts == n).tolist()) for n in np.unique(counts)]
+        return [(int(n), np.flatnonzero(counts == n).tolist()) for n in distinct(counts)]
 
     def eliminate(self, node: int, row: int, x: Any, f: Any, h: Any) -> Any:
         """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""

@@ -16,6 +16,7 @@ import numpy as np
 from ...problems.errors import Mistake, SpecError
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
+from ...problems.sets import distinct
 from ...problems.text import did_you_mean
 from ..program.alone import LOCK
 from .finite_difference import FiniteDifference
@@ -158,7 +159,7 @@ def _orthogonal(method: Method, degree: int, form: str) -> Scheme:
     """
     assert method.nodes is not None
     c = method.nodes(degree)
-    sigma = np.union1d(c, [0.0, 1.0])
+    sigma = distinct(np.append(c, [0.0, 1.0]))
     d, n = len(sigma) - 1, len(c)
     A = integrated_basis(c, sigma[1:])
     L, R = np.hstack([-np.ones((d, 1)), np.eye(d)]), A

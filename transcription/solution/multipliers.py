@@ -26,6 +26,7 @@ import numpy as np
 
 from ...problems.probe import depends_on
 from ...problems.problem import Function, Phase, Range
+from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier
 from ..engines.outcome import Outcome
@@ -149,7 +150,7 @@ class Multipliers:
         """What the gap of inequalities that hold at no more than one instant adds to the objective."""
         t = self.transcription
         ends = [(layout.t, layout.x[:, 0], layout.x[:, -1]) for layout in t.phases]
-        places = np.unique(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
+        places = distinct(np.concatenate([t.parameters, *(p for own in ends for p in own)]))
         places = places[places >= 0]
         single = [f.rows(self.nlp) for f in t.families if f.kind.multiplier is Multiplier.NUMBER]
         single += [f.rows(self.nlp)[_at_an_end(f)] for f in t.families if f.kind is PATH and self._of_states_alone(f)]

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...problems.problem import Phase
+from ...problems.sets import without
 from ...problems.text import short_repr
 from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
@@ -206,7 +207,7 @@ def _extrapolate_inputs(trajectory: Trajectory) -> None:
     A knot takes the value of the segment that starts there, the last one that of the segment that ends there.
     """
     mesh, u = trajectory.mesh, trajectory.u
-    missing = np.setdiff1d(np.arange(len(mesh.fractions)), mesh.collocated)
+    missing = without(np.arange(len(mesh.fractions)), mesh.collocated)
     for k in missing:
         segment = min(int(np.searchsorted(mesh.knots, k, side="right")) - 1, mesh.segments - 1)
         scheme = mesh.schemes[segment]

@@ -1,0 +1,81 @@
+"""CPU seconds of whole processes, trajopt beside CasADi's mapped script: `python tests/benchmarks/whole_process.py`.
+
+For each number of segments both are started in turn, so that what else the machine does falls on both, and ratios are
+taken pair by pair: on a busy machine CPU seconds grow, their ratios hardly do. `--repeats`, `--segments` and
+`--minutes` choose; a number of segments whose pairs would take longer than that has fewer of them, at least one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cartpole import HERE, SCRIPTS, timed
+
+SEGMENTS = (25, 1000, 10_000, 100_000)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """CPU seconds of one run of each."""
+
+    trajopt: float
+    casadi: float
+
+    @property
+    def ratio(self) -> float:
+        return self.trajopt / self.casadi
+
+
+def pair(segments: int, problem: str, folder: str) -> Pair:
+    """One run of each, the whole process: start-up, imports, solve; of trajopt the error estimate and the file, too."""
+    trajopt = [sys.executable, "-c", "from trajopt.cli.main import main; main()", "solve", problem, "-q", "--force"]
+    (script,) = SCRIPTS["CasADi mapped"]
+    _, ours, _ = timed([*trajopt, "--segments", str(segments), "-o", "a.h5"], folder)
+    _, theirs, _ = timed([sys.executable, str(HERE / script), str(segments)], folder)
+    return Pair(ours, theirs)
+
+
+def pairs(segments: int, repeats: int, minutes: float, problem: str, folder: str) -> list[Pair]:
+    """As many pairs as asked for, or as there is time for; the first one, which fills the system's cache, is not told
+    where there are others."""
+    began = time.monotonic()
+    found = [pair(segments, problem, folder)]
+    while len(found) <= repeats and time.monotonic() - began < 60 * minutes:
+        found.append(pair(segments, problem, folder))
+    return found[1:] or found
+
+
+def row(segments: int, found: Sequence[Pair]) -> str:
+    ours, theirs, ratios = ([getattr(own, name) for own in found] for name in ("trajopt", "casadi", "ratio"))
+    middle = statistics.median
+    spread = f"{min(ratios):.2f} to {max(ratios):.2f}"
+    return (
+        f"| {segments} | {len(found)} | {middle(ours):.2f} | {middle(theirs):.2f} | {middle(ratios):.2f} | {spread} |"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--segments", type=int, nargs="+", default=list(SEGMENTS))
+    parser.add_argument("--repeats", type=int, default=15, help="pairs for each number of segments")
+    parser.add_argument("--minutes", type=float, default=5, help="for each number of segments")
+    chosen = parser.parse_args()
+    problem = str(Path(HERE).parents[1] / "problems" / "cartpole.yaml")
+    print(
+        "| segments | pairs | trajopt, CPU s | CasADi mapped, CPU s | ratio | pairs from |\n|--:|--:|--:|--:|--:|--:|"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        for segments in chosen.segments:
+            found = pairs(segments, chosen.repeats, chosen.minutes, problem, folder)
+            print(row(segments, found), flush=True)
+
+
+if __name__ == "__main__":
+    main()
