@@ -15,7 +15,7 @@ from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
 from .measured.knots import measured_fractions, with_knots
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
-from .refinement.basin import left_basin, unmeasurable
+from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
@@ -232,6 +232,8 @@ class _Loop:
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         meshes = (*self.history[:-1], solution.meshes[-1])
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
+        if self.settings.refine and not self.unmet and (why := unminimised(replace(solution, meshes=meshes))):
+            notes += (why,)
         solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
         sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
         solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
