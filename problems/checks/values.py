@@ -14,6 +14,7 @@ from ..language.plain import in_plain
 from ..language.times import TimeParameter
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
+from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..phases.order import ALONE
@@ -30,7 +31,6 @@ from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
 from .names import name_trouble, title_troubles
-from .size import too_large
 from .tables import beyond_tables
 from .unused import unused
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from ..expressions.functions import FUNCTIONS
 from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation, below, leaves, skeleton
-from ..names.occurrences import CONSTANT, uses
-from ..names.symbols import Symbols
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
+from .occurrences import CONSTANT, uses
+from .symbols import Symbols
 
 WIDE = 16  # factors; dynamics that people write have fewer in a product, and most computer algebra gives fewer too
 MOST = 1.5e8
