@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 
 from . import signals
 
@@ -18,6 +19,7 @@ def main() -> None:
     The process ends here, not by Python's own way out, which takes the handlers of signals away before it has ended.
     """
     signals.end_on_signals()
+    _with_docstrings()
     _travel_light()
     from . import streams  # what takes time to load comes after
 
@@ -25,6 +27,13 @@ def main() -> None:
     code = _run()
     streams.flush()
     signals.leave(code)
+
+
+def _with_docstrings() -> None:
+    """Pyomo does not work without docstrings: start again, with PYTHONOPTIMIZE=1 in place of 2."""
+    if sys.flags.optimize > 1 and os.environ.get("PYTHONOPTIMIZE", "1") != "1":
+        os.environ["PYTHONOPTIMIZE"] = "1"
+        os.execv(sys.executable, sys.orig_argv)
 
 
 def _travel_light() -> None:
@@ -36,10 +45,19 @@ def _travel_light() -> None:
 
 def _run() -> int:
     """The exit code of the command; a bug of ours keeps its traceback."""
+    from ..problems.errors import TrajoptError
+
     try:
         from .app import app
+        from .errors import exit_code, report
+        from .streams import flushed_output
 
-        app()
+        try:
+            with flushed_output():
+                app()
+        except TrajoptError as error:  # of standard output, as in --help > /dev/full
+            report(error)
+            return exit_code(error)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
     except BaseException:

@@ -23,7 +23,7 @@ SHORT_FORMS = {
 _NAMES = "Problem files, or names from 'trajopt list'."
 Files = Annotated[list[str], typer.Argument(metavar="FILE|NAME...", help=_NAMES, show_default=False)]
 _WRITTEN = "Result files of 'trajopt solve'."
-Results = Annotated[list[Path], typer.Argument(metavar="RESULT...", help=_WRITTEN, show_default=False)]
+Results = Annotated[list[Path], typer.Argument(metavar="RESULT...", help=_WRITTEN, show_default=False, readable=False)]
 Set = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Override a field of the problem file.")
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -25,6 +26,9 @@ def open_closed_ones() -> None:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, which is this one
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(descriptor, "w" if descriptor else "r", closefd=False))
+        stream = getattr(sys, name)
+        if descriptor and isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")  # a name that its encoding does not have is no trouble
 
 
 def piped_text(files: Sequence[str]) -> str | None:
@@ -63,6 +67,9 @@ def flushed_output() -> Iterator[None]:
         _discard_output()
         raise typer.Exit(0) from None
     except OSError as error:
+        if error.filename is not None:  # of a file, not of the stream
+            what = f"it cannot be read or written ({(error.strerror or str(error)).lower()})"
+            raise FileError(Mistake(os.fsdecode(error.filename), what, "check its name and its folder")) from error
         _discard_output()
         what = f"it cannot be written ({error.strerror})"
         raise FileError(Mistake("standard output", what, "send it elsewhere")) from error

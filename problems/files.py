@@ -6,30 +6,40 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import ELOOP, ESRCH
+from functools import cache
 from pathlib import Path
 
 from .errors import FileError, Mistake
 
 PIPES = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
 """Where shells put what they pipe in, as <(...) does; a FIFO by any other name could hang for ever."""
+PREFIX = ".trajopt-"
+"""Of temporary files: short, so that any name that a file may have leaves room for it, whatever the name is."""
 
 _temporaries: set[Path] = set()
 
 
 def check_writable(path: Path, force: bool = True) -> None:
     """Raise FileError if a file at `path` could not be written, or if it exists and may not be replaced."""
-    if not path.parent.is_dir():
-        raise FileError(Mistake(str(path), "its folder does not exist", f"create {path.parent} or choose another name"))
-    if path.is_dir():
-        raise FileError(Mistake(str(path), "it is a folder", "give the name of a file"))
-    if path.exists() and not path.is_file():
-        raise FileError(Mistake(str(path), "it is no ordinary file", "give the name of a file"))
+    try:
+        path = followed(path)
+        if not path.parent.is_dir():
+            remedy = f"create {path.parent} or choose another name"
+            raise FileError(Mistake(str(path), "its folder does not exist", remedy))
+        if path.is_dir():
+            raise FileError(Mistake(str(path), "it is a folder", "give the name of a file"))
+        if path.exists() and not path.is_file():
+            raise FileError(Mistake(str(path), "it is no ordinary file", "give the name of a file"))
+        there = path.exists()
+    except OSError as error:
+        raise FileError(Mistake(str(path), f"it cannot be written ({_why(error)})", "choose another name")) from error
     try:
         tempfile.TemporaryFile(dir=path.parent).close()
     except OSError as error:
-        what = f"its folder cannot be written ({error.strerror})"
+        what = f"its folder cannot be written ({_why(error)})"
         raise FileError(Mistake(str(path), what, "choose another folder")) from error
-    if path.exists() and not force:
+    if there and not force:
         raise FileError(Mistake(str(path), "the file exists", "choose another name, or replace it with --force"))
 
 
@@ -41,16 +51,35 @@ def make_folder(path: Path) -> None:
         raise FileError(Mistake(str(path), f"it cannot be made ({error.strerror})", "choose another folder")) from error
 
 
+def check_not_protected(path: Path) -> None:
+    """Raise FileError if there is a file at `path` that nobody may write: it is not to be replaced unasked."""
+    if path.is_file() and not path.stat().st_mode & 0o222:
+        raise FileError(Mistake(str(path), "it is read-only", "choose another name, or replace it with --force"))
+
+
+def followed(path: Path) -> Path:
+    """The file that a name means: a symbolic link is kept, and what it points to is written. Raises OSError."""
+    if not path.is_symlink():
+        return path
+    meant = Path(os.path.realpath(path))
+    if meant.is_symlink():
+        raise OSError(ELOOP, os.strerror(ELOOP), str(path))
+    return meant
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary file in the same folder that becomes `path` at the end, or vanishes if anything goes wrong.
 
-    An older file at `path` stays whole until the new one is complete and on the disk. Raises FileError if the
-    operating system refuses.
+    An older file at `path` stays whole until the new one is complete and on the disk. What a process that was killed
+    has left of its own is removed. Raises FileError if the operating system refuses.
     """
     temporary = None
     try:
-        descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+        target = followed(path)
+        remove_left(target.parent)
+        prefix = f"{PREFIX}{_machine()}-{os.getpid()}-"
+        descriptor, name = tempfile.mkstemp(prefix=prefix, suffix=target.suffix[:20], dir=target.parent)
         temporary = Path(name)
         _temporaries.add(temporary)
         os.close(descriptor)
@@ -58,14 +87,40 @@ def replacing(path: Path) -> Iterator[Path]:
         yield temporary
         with temporary.open("rb") as written:
             os.fsync(written.fileno())
-        temporary.replace(path)
+        temporary.replace(target)
     except OSError as error:
-        what = f"it cannot be written ({error.strerror or error})"
+        what = f"it cannot be written ({_why(error)})"
         raise FileError(Mistake(str(path), what, "choose another place, or make room there")) from error
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
             _temporaries.discard(temporary)
+
+
+@cache
+def remove_left(folder: Path) -> None:
+    """Remove the temporary files in a folder whose process, on this machine, has ended; once a folder."""
+    for left in folder.glob(f"{PREFIX}{_machine()}-*"):
+        owner = left.name.removeprefix(f"{PREFIX}{_machine()}-").partition("-")[0]
+        if owner.isdigit() and not _runs(int(owner)):
+            left.unlink(missing_ok=True)
+
+
+def _machine() -> str:
+    return "".join(c for c in os.uname().nodename if c.isalnum())[:30]
+
+
+def _runs(process: int) -> bool:
+    """Whether there is a process of this number."""
+    try:
+        os.getpgid(process)
+    except OSError as error:
+        return error.errno != ESRCH
+    return True
+
+
+def _why(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
 
 
 def remove_temporaries() -> None:

@@ -25,17 +25,24 @@ from .schema.tables import called_names
 from .tables.files import read_files
 from .text import brief, printable
 from .wishes.keys import meant
-from .yaml.document import MAX_BYTES, Document, decode, dotted, read_document
+from .yaml.document import MAX_BYTES, Document, decode, dotted, read_document, scalar
 from .yaml.document import Path as Place
 from .yaml.locations import Finding, Locations
 from .yaml.overrides import override
 
-_UNSAFE = {
-    "hsllib": "makes the solver load a library",
-    "pardisolib": "makes the solver load a library",
-    "output_file": "makes the solver write a file",
+_LOADS = "makes the solver load a library"
+_UNSAFE: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "hsllib": (_LOADS, lambda value: True),
+    "pardisolib": (_LOADS, lambda value: True),
+    "linear_solver": (_LOADS, lambda value: str(value).lower() != "mumps"),
+    "linear_system_scaling": (_LOADS, lambda value: str(value).lower() == "mc19"),
+    "output_file": ("makes the solver write a file", lambda value: True),
+    "print_level": ("makes the solver print all that it has", lambda value: _above(value, LOUDEST)),
+    "print_options_documentation": ("makes the solver print a book", lambda value: True),
 }
-"""What only the command line may set."""
+"""What only the command line may set: option -> what it does, and whether a value does that."""
+
+LOUDEST = 5  # of IPOPT's 12 levels: a line for each iteration
 
 _OPTION_FILE = "option_file_name"
 """What nothing may set: options of a file of IPOPT's own would stand in no message, no check and no result."""
@@ -295,12 +302,17 @@ def _unsafe_options(solver: Any, locations: Locations) -> list[Finding]:
             what = f"{brief(name)} makes the solver read options that trajopt cannot check and the result does not tell"
             remedy = "remove it, and write each of its options as solver.NAME, in the file or with --set"
             found.append(Finding(("solver", name), what, remedy))
-        does = _UNSAFE.get(plain)
-        if does and not locations.overridden(("solver", name)):
+        does, unsafe = _UNSAFE.get(plain, ("", bool))
+        if does and unsafe(solver[name]) and not locations.overridden(("solver", name)):
             what = f"{brief(name)} {does}, which a problem file may not do: it is data, never code"
             remedy = f"remove it, and give it on the command line: --set solver.{brief(name)}=..."
             found.append(Finding(("solver", name), what, remedy))
     return found
+
+
+def _above(value: Any, most: float) -> bool:
+    number = scalar(value) if isinstance(value, str) else value
+    return isinstance(number, int | float) and number > most
 
 
 def _refused_options(solver: dict[str, Any], options: OptionCheck, known: set[str]) -> list[Finding]:

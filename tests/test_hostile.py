@@ -6,9 +6,10 @@ from subprocess import PIPE, Popen
 import h5py
 import numpy as np
 import pytest
-from hostile.campaign import COMMANDS, campaign, preload
+from hostile.campaign import COMMANDS, campaign
 from hostile.files import OLD, Bad, always, bad_files, good_results
 from hostile.objects import ANY, ARRAYS, SECRET
+from hostile.processes import preload
 
 from trajopt.problems.errors import FileError
 from trajopt.results.file.door import open_result

@@ -47,7 +47,7 @@ Starts = Annotated[
 Seed = Annotated[str | None, typer.Option("--seed", metavar="N", help="Of the drawn starts; 0 if not given.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iteration.")]
 GuessFile = Annotated[
-    Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.")
+    Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.", readable=False)
 ]
 Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
 
@@ -101,8 +101,8 @@ def solve(
                 from ..result_files.plot import draw_trajectory
 
                 print(f"picture: {draw_trajectory(path, force)}", file=sys.stderr)
-            if stop():
-                raise typer.Exit(stop.exit_code)
+            if stop() and (job is not jobs[-1] or not solution.solved or solution.stopped):
+                raise typer.Exit(stop.exit_code)  # a signal after the last iteration of the last one took nothing away
             code = NOT_SOLVED if not solution.solved else code or (TOLERANCE_MISSED if solution.inaccurate else 0)
     raise typer.Exit(code)
 
@@ -185,9 +185,14 @@ def _kept(job: _Job, solution: Solution) -> Path:
     try:
         write(place, solution, *told)
     except FileError as error:
-        rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / place.name
-        write(rescued, solution, *told)
         (mistake,) = error.mistakes
+        try:
+            rescued = Path(tempfile.mkdtemp(prefix="trajopt-")) / place.name
+            write(rescued, solution, *told)
+        except (FileError, OSError) as again:
+            why = again.strerror if isinstance(again, OSError) else again.mistakes[0].what
+            what = f"{mistake.what}, and no other place was found for it: in {tempfile.gettempdir()} {why}"
+            raise FileError(replace(mistake, what=what)) from error
         raise FileError(replace(mistake, remedy=f"the result is in {rescued}, move it from there")) from error
     return place
 

@@ -15,6 +15,7 @@ from ..language.plain import in_plain
 from ..language.times import TimeParameter
 from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
+from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..phases import timeless
@@ -84,6 +85,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
+        checker.errors += too_large(spec, checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
         checker.warnings += odd(spec, checker.symbols)
         checker.warnings += idle_histories(checker.symbols)
@@ -300,8 +302,12 @@ class _Checker:
             self.error(("objective", spec.objective.sense), what, remedy)
 
     def constant_constraints(self) -> None:
-        """A constraint over time or at the ends depends on something that is not a constant."""
+        """A residual, and a constraint over time or at the ends, depend on something that is not a constant."""
         for path, constraint in constraints(self.spec):
             if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
                 what = "the constraint is on a constant"
                 self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
+        for i, residual in enumerate(self.spec.residuals):
+            if not self.symbols.function(residual.expression).names:
+                what = "the residual is a constant, so it says nothing of the unknowns"
+                self.error(("residuals", i, "expression"), what, "write an equation of states, controls or x[rate]")

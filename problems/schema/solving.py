@@ -13,6 +13,7 @@ from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text,
 
 MAX_MESHES = 100
 MAX_SUBSTEPS = 1000
+MAX_POINTS = 2_000_000  # of a mesh: some 200 MB before any unknown has a place
 MAX_STARTS = 10_000
 MAX_STEPS = 1000  # of a continuation
 MAX_AXES, MAX_CASES, MAX_SEED = 20, 1_000_000, 2**32 - 1
@@ -72,6 +73,16 @@ class MeshEntry(Entry):
             count = self.number_of_segments
             if len(self.degree) != count:
                 raise mistake(f"there are {len(self.degree)} degrees for {count} segments", "give one for each segment")
+        return self
+
+    @model_validator(mode="after")
+    def _that_fits(self) -> Self:
+        count = self.number_of_segments
+        degree = max(self.degree) if isinstance(self.degree, tuple) else self.degree
+        for many, of in ((self.substeps, "substeps"), (degree, "points")):
+            if many and many * count > MAX_POINTS:
+                what = f"{count} segments of {many} {of} are more than the {MAX_POINTS} points that a mesh may have"
+                raise mistake(what, "use fewer segments")
         return self
 
     @property
@@ -161,6 +172,15 @@ class Reference(Entry):
     objective: Number = Field(description="the known value")
     tolerance: Number = Field(1e-6, description="absolute difference allowed; default 1e-6")
     source: Text = Field("", description="where the value comes from")
+
+    @field_validator("tolerance")
+    @classmethod
+    def _no_less_than_nothing(cls, value: float) -> float:
+        if value < 0:
+            raise mistake(
+                f"the tolerance {value:g} is negative", "write the difference that is allowed, such as 1.0e-6"
+            )
+        return value
 
 
 class Sweep(Entry):

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from ..errors import Mistake, SpecError
-from ..text import did_you_mean
+from ..text import did_you_mean, printable, unprintable
 from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
@@ -34,6 +34,9 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
         try:
             if not equals or not shown.strip():
                 raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
+            if any(unprintable(c) and not c.isspace() for c in text):
+                what = "it holds what is no text: a control character, or a byte that is not UTF-8"
+                raise SpecError(Mistake(f"--set {printable(shown)}", what, "type it again"))
             where = f"--set {shown.strip()}"
             new = value_of(value, where)
             meant = shown.strip()

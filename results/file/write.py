@@ -67,7 +67,7 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
-from ...problems.files import check_writable, replacing
+from ...problems.files import check_not_protected, check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured
@@ -91,6 +91,8 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
     Raises FileError.
     """
     check_writable(path)
+    if not force:
+        check_not_protected(path)
     if path.exists() and not force and (owner := head_of(path).get("problem")) != problem:
         what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
         raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))

@@ -1,4 +1,4 @@
-"""`python -m tests.hostile --files 1500`: the long campaign; prints how the runs ended, and each that ended badly."""
+"""The long campaigns: `python -m tests.hostile KIND` prints how runs ended, and each that ended badly."""
 
 from __future__ import annotations
 
@@ -6,39 +6,75 @@ import argparse
 import sys
 import tempfile
 import time
-from itertools import chain
+from collections.abc import Iterator
+from itertools import chain, islice
 from pathlib import Path
 
-from .campaign import COMMANDS, Count, campaign, preload
+from . import problem_files
+from .campaign import COMMANDS, campaign
+from .disks import CASES
+from .disks import runs as of_disks
 from .files import OLD, RESULTS, always, bad_files, good_results
+from .moments import runs as of_moments
+from .processes import Count, Run, preload
+
+
+def results(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    sources = good_results(folder, told.sources)
+    preload()
+    bad = chain(always(sources[0]), bad_files(sources, told.files, told.seed))
+    yield from (runs for _, runs in campaign(bad, sources[0], folder, told.commands))
+
+
+def problems(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    preload()
+    for text in islice(problem_files.texts(told.files, told.seed), told.skip, None):
+        yield problem_files.runs(text, folder)
+
+
+def moments(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    yield from (iter([run]) for run in of_moments(told.files, told.seed, folder))
+
+
+def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    yield from (iter([run]) for run in of_disks(CASES[: told.files], folder))
+
+
+KINDS = {
+    "results": (results, 1500),
+    "problems": (problems, 2000),
+    "moments": (moments, 300),
+    "disks": (disks, len(CASES)),
+}
+"""Name -> the runs of each file, moment or case, and how many of them."""
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--files", type=int, default=1500, help="bad files; all kinds of damage are some 20 000")
+    parser.add_argument("kind", choices=list(KINDS))
+    parser.add_argument("--files", type=int, default=0, help="how many, of all that there are")
     parser.add_argument("--seed", type=int, default=0, help="of the choice among them")
+    parser.add_argument("--skip", type=int, default=0, help="problem files to leave out at the start")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so many")
     parser.add_argument("--commands", nargs="*", default=list(COMMANDS), help=", ".join(COMMANDS))
     parser.add_argument("--sources", nargs="*", default=[*RESULTS, OLD], help="results that are made bad")
     told = parser.parse_args()
+    make, usual = KINDS[told.kind]
+    told.files = told.files or usual
     start, count = time.monotonic(), Count()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        sources = good_results(folder, told.sources)
-        preload()
-        bad = chain(always(sources[0]), bad_files(sources, told.files, told.seed))
-        for own, runs in campaign(bad, sources[0], folder, told.commands):
+        for runs in make(told, Path(name)):
             count.files += 1
             for run in runs:
                 count.add(run)
                 if run.fault:
                     last = (run.err.strip().splitlines() or [""])[-1]
-                    print(f"{run.fault}: {own.source.stem}: {own.name}: {run.command}: {last[:200]}", flush=True)
+                    print(f"{run.fault}: {run.bad}: {run.command}: {run.seconds:.1f} s: {last[:200]}", flush=True)
             if count.files % 100 == 0:
                 print(f"{count.files} files, {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
             if time.monotonic() - start > told.seconds:
                 break
-    print(f"\n{count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
+    print(f"\n{told.kind}: {count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
     print("exit codes:", ", ".join(f"{code}: {n}" for code, n in sorted(count.codes.items())))
     print(f"ended badly: {len(count.faults)}")
     return int(bool(count.faults))

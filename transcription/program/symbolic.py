@@ -141,12 +141,24 @@ class _Translation:
         self.memo: dict[int, se.Basic] = {}
 
     def __call__(self, e: Any) -> se.Basic:
-        if e.__class__ in native_numeric_types:
-            return number(e)
-        # A rule that uses a subexpression again makes a graph; walked as a tree it can be exponentially large.
-        if id(e) not in self.memo:
-            self.memo[id(e)] = self.node(e)
-        return self.memo[id(e)]
+        """The parts of an expression before itself, on a stack of our own: Python's is too short for long products."""
+        waiting = [e]
+        while waiting:
+            # A rule that uses a subexpression again makes a graph; walked as a tree it can be exponentially large.
+            if self._known(last := waiting[-1]):
+                waiting.pop()
+            elif parts := [part for part in _parts(last) if not self._known(part)]:
+                waiting += reversed(parts)  # from the left, which numbers the arguments in the order of the text
+            else:
+                self.memo[id(last)] = self.node(last)
+        return self.value(e)
+
+    def _known(self, e: Any) -> bool:
+        return e.__class__ in native_numeric_types or id(e) in self.memo
+
+    def value(self, e: Any) -> se.Basic:
+        """What a part has been translated to."""
+        return number(e) if e.__class__ in native_numeric_types else self.memo[id(e)]
 
     def node(self, e: Any) -> se.Basic:
         if isinstance(e, GetItemExpression) or not e.is_expression_type():
@@ -157,7 +169,7 @@ class _Translation:
             raise TemplateError(f"{e} is a sum over a Set inside an indexed family or a nonlinear term")
         if isinstance(e, ne.ExternalFunctionExpression):
             return self.table(e)
-        parts = [self(a) for a in e.args]
+        parts = [self.value(a) for a in e.args]
         if isinstance(e, ne.UnaryFunctionExpression):
             return _real(_function(e)(parts[0]), parts)
         return _real(_operation(e, parts, se.Integer(0)), parts)
@@ -167,7 +179,19 @@ class _Translation:
         if found is None:
             raise TemplateError(f"the external function {e.getname()} has no derivative here")
         table, operands = found
-        return self.arguments.look_up(table, [self(a) for a in operands])
+        return self.arguments.look_up(table, [self.value(a) for a in operands])
+
+
+def _parts(e: Any) -> Sequence[Any]:
+    """What an expression is made of; nothing for a variable, a parameter or a number, indexed or not."""
+    if e.__class__ in native_numeric_types or isinstance(e, GetItemExpression | TemplateSumExpression):
+        return ()
+    if not e.is_expression_type():
+        return ()
+    if isinstance(e, ne.ExternalFunctionExpression):
+        _, operands = table_of(e) or (None, ())
+        return operands
+    return e.args
 
 
 def _function(e: Any) -> Callable:

@@ -1,0 +1,61 @@
+"""`check`, `solve` and `show` on problem files that are mutated from the shipped ones, or made to be hard."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from .hard import HARD
+from .mutations import as_text, bases, mutated
+from .processes import Run, alone, typed
+
+PROCESSOR = {"check": 10, "solve": 20, "show": 10}
+"""Seconds of a run. A failed solve spends up to 10 on the search for other starts, and for what has to give way."""
+FEW = ["--set", "solver.max_iter=3"]
+
+
+class Text(NamedTuple):
+    """A problem file: its name, and its content."""
+
+    name: str
+    content: str
+
+
+def texts(count: int, seed: int) -> Iterator[Text]:
+    """So many problem files: those that are hard, and then mutations of the shipped ones."""
+    yield from (Text(name, content) for name, content in list(HARD.items())[:count])
+    yield from mutations(count - len(HARD), seed)
+
+
+def mutations(count: int, seed: int) -> Iterator[Text]:
+    """Mutations of shipped files; the one with number k is the same whatever the count is."""
+    known = bases()
+    for k in range(count):
+        rng = random.Random(f"{seed} {k}")
+        name = rng.choice(list(known))
+        yield Text(f"{name} {seed} {k}", as_text(mutated(known[name], list(known.values()), rng), rng))
+
+
+def runs(text: Text, folder: Path) -> Iterator[Run]:
+    """`check`; then `solve` in a few iterations, which may refuse what `check` refuses only; then `show`."""
+    (folder / "bad.yaml").write_text(text.content, encoding="utf-8", errors="surrogatepass")
+    checked = _run(text, "check", ["check", "bad.yaml", *FEW], folder, {0, 2})
+    yield checked
+    if checked.fault:
+        return
+    (folder / "out.h5").unlink(missing_ok=True)
+    allowed = {0, 1, 4} if checked.code == 0 else {2}
+    solved = _run(text, "solve", ["solve", "bad.yaml", *FEW, "-q", "-o", "out.h5"], folder, allowed)
+    yield solved
+    if (folder / "out.h5").exists():
+        yield _run(text, "show", ["show", "out.h5"], folder, {0, 1, 4})
+    elif solved.code in allowed - {2}:
+        yield Run(text.name, "solve", solved.code, "", "error: Traceback: no result was written", 0.0)
+
+
+def _run(text: Text, name: str, arguments: list[str], folder: Path, codes: set[int]) -> Run:
+    run = alone(text.name, name, folder, lambda: typed(arguments), PROCESSOR[name], "bad.yaml")
+    run.codes = frozenset(codes)
+    return run
