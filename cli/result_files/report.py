@@ -34,7 +34,7 @@ def report(sources: Sources, *, output: Output = None, no_verify: NoVerify = Fal
     Without -o the page is <name of the result or folder>.html in the current folder. A page that trajopt has written is
     replaced, any other file only with --force.
     """
-    targets = [path for (path,) in targets_of(sources, output, [".html"])]
+    targets = [path for (path,) in targets_of(list(map(_named, sources)), output, [".html"])]
 
     from ...results.report.page import check_page, write_page
 
@@ -45,6 +45,11 @@ def report(sources: Sources, *, output: Output = None, no_verify: NoVerify = Fal
             text = _sweep(source) if source.is_dir() else _result(source, not no_verify, show)
         write_page(path, text)
         print(path)
+
+
+def _named(source: Path) -> Path:
+    """What the page is called after: a result, or a folder, whose whole name counts."""
+    return Path(f"{source.resolve().name}.h5") if source.is_dir() else source
 
 
 def _result(path: Path, verified: bool, show: Callable[[str], None] | None) -> str:

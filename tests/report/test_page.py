@@ -220,6 +220,16 @@ def test_a_folder_that_holds_no_sweep_names_the_one_inside(swept, folder):
     assert run.exit_code == 3 and f"did you mean {swept}?" in run.stderr
 
 
+def test_a_page_is_called_after_the_whole_name_of_a_folder(swept, folder, monkeypatch):
+    import shutil
+
+    shutil.copytree(swept, folder / "u=0.5-swept")
+    run = trajopt("report", "u=0.5-swept")
+    assert (run.exit_code, run.stdout) == (0, "u=0.5-swept.html\n")
+    monkeypatch.chdir(folder / "u=0.5-swept")
+    assert trajopt("report", ".").stdout == "u=0.5-swept.html\n"
+
+
 # -- where pages go -------------------------------------------------------------------------------------------------
 
 
