@@ -1,6 +1,8 @@
 """Shipped problems by their names, and the methods of the table by their kinds."""
 
 import os
+from collections.abc import Sequence
+from typing import TypeVar
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
@@ -10,12 +12,23 @@ from trajopt.results.library.rows import SLOW
 from trajopt.transcription.schemes.scheme import Scheme
 from trajopt.transcription.schemes.table import METHODS, find
 
-SOLVED = [name for name in shipped() if name not in SLOW or os.environ.get("TRAJOPT_SLOW")]
+ALL = bool(os.environ.get("TRAJOPT_SLOW"))
+"""Whether the tests do all that they can, however long it takes."""
+
+SOLVED = [name for name in shipped() if name not in SLOW or ALL]
 """Shipped problems that the tests solve: those that take long only where TRAJOPT_SLOW is set."""
 
 COLLOCATION = [name for name in METHODS if isinstance(find(name), Scheme)]
 FAMILIES = [name for name, method in METHODS.items() if method.nodes]
 """Those that take a degree."""
+
+
+T = TypeVar("T")
+
+
+def share(items: Sequence[T], of: int, first: int = 0) -> list[T]:
+    """One of so many items, from the first on; all of them where TRAJOPT_SLOW is set."""
+    return list(items if ALL else items[first::of])
 
 
 def problem_named(name: str, *overrides: str) -> Problem:

@@ -11,6 +11,7 @@ import pytest
 from command_line import trajopt
 from exported import Program, formulas, read_gms, read_nl, read_tex
 from matplotlib.mathtext import MathTextParser
+from named import share
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
@@ -129,8 +130,11 @@ def of_file(path: Path, segments: int = 3) -> Reference:
     return Reference(build(spec), replace(steps(spec.mesh)[-1], segments=segments, degree=None).mesh())
 
 
-@FORMAT
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+EACH = [(path, suffix) for first, suffix in enumerate(READERS) for path in share(FILES, len(READERS), first)]
+"""Every file in one of the formats."""
+
+
+@pytest.mark.parametrize(("path", "suffix"), EACH, ids=lambda part: getattr(part, "stem", part))
 def test_every_file(path, suffix, tmp_path):
     check(of_file(path), suffix, tmp_path / f"a{suffix}")
 

@@ -6,6 +6,7 @@ import warnings
 
 import pytest
 from command_line import trajopt
+from named import share
 
 from trajopt.cli.errors import TOLERANCE_MISSED
 from trajopt.problems.build import build
@@ -121,7 +122,9 @@ def test_constraints_that_contradict_each_other(case):
     assert amounts == sorted(amounts, reverse=True) and amounts[-1] > 1e-7
 
 
-@pytest.mark.parametrize("method", [name for name in METHODS if name != "finite-difference"])  # it needs accel:
+@pytest.mark.parametrize(
+    "method", share([name for name in METHODS if name != "finite-difference"], 3)
+)  # it needs accel:
 def test_every_method_names_the_constraint(method):
     solution = failed(problem(extra=PATH, method=method))
     named = solution.trouble.removeprefix("these cannot all hold: ").split(", ")

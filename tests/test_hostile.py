@@ -48,7 +48,7 @@ def test_what_is_no_result_and_what_holds_no_problem(good, tmp_path):
 
 
 def test_a_sample_of_the_campaign(good, tmp_path):
-    assert ended_badly(bad_files(good, 20, seed=7), good, tmp_path) == []
+    assert ended_badly(bad_files(good, 10, seed=7), good, tmp_path) == []
 
 
 @pytest.fixture
