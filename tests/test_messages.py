@@ -79,9 +79,20 @@ WAYPOINTS = {
     "waypoints": [{"name": "gate", "time": {"lower": 0.5, "upper": 2, "guess": 1}, "states": {"x": {"value": 0.5}}}],
     "constraints": {},
 }
+MEASURED = {
+    "measurements": {
+        "run": {"data": {"time": [0.5, 1], "x": [0.1, None], "v": [1, 2]}, "source": "a book", "note": "the first",
+                "compare": {"x": "x + c"}, "weights": {"x": 2}},
+        "again": {"data": {"time": [0.5, 1], "x": [0.1, 0.2]}, "deviations": 0.1},
+    },
+    "guess": {"formulas": {"u": "1 - t"}, "data": {"time": [0, 2], "x": [0, 1]}},
+}  # fmt: skip
+PAIRS = {"complementarity": [{"name": "contact", "a": "x + 2", "b": "u + 9", "relax": [0.1, 0.01]}]}
 # Keys that exclude others of the full file.
 OTHERS = {
     **dict.fromkeys(("phases", "links"), PHASES),
+    **dict.fromkeys(("complementarity", "relax"), PAIRS),
+    "measurements": MEASURED,
     "waypoints": WAYPOINTS,
     "maximize": {"objective": {"maximize": {"integral": "u**2", "terminal": "x[final]"}}},
     "sqrt": {"nonsmooth": {"sqrt": [0.01]}},
@@ -109,7 +120,7 @@ def full_data(key=None):
                 "unit": "kg", "units": {"h": "m"}, "source": "a book", "note": "air"},
         "wind": {"points": {"h": [0, 1], "v": [0, 1]}, "values": [[1, 2], [3, 4]], "outside": {"h": "error"}},
     }  # fmt: skip
-    data["time"]["final"] = {"lower": 1, "upper": 3, "guess": 2}
+    data["time"]["final"] = 2 if "measurements" in data else {"lower": 1, "upper": 3, "guess": 2}
     data["states"]["p"] = {
         "unit": "rad", "accel": "u - p", "note": "an angle", "initial": {"lower": 0, "upper": 1}, "final": {"value": 1},
         "history": "0.1*t",
@@ -167,8 +178,8 @@ def test_the_walk_meets_every_field():
         assert load_text(written(data), "full.yaml", (), broken.METHODS).reference.source == "a book"
         keys |= {path[-1] for path in paths(data)}
     known = {field.alias or key for model in models(Spec) for key, field in model.model_fields.items()}
-    # a CSV file is needed for the last two, see test_tables_files; next is of discrete time, see broken.timeless
-    assert known - keys == {"model", "next", "file", "arguments"}
+    # a CSV file (see test_tables_files), other dynamics (see broken.timeless), and what is only written in short
+    assert known - keys == {"model", "next", "file", "arguments", "simulate", "apart"}
 
 
 @pytest.mark.parametrize(("number", "value"), enumerate(WRONG.values()), ids=WRONG.keys())

@@ -61,6 +61,8 @@ EXAMPLES = {
     "box": "[x, y]",
     "reference": "{objective: 6.0, tolerance: 1e-4}",
 }
+OF_THE_FILE = {"units": "off"}
+"""Of the keys that mean something else at the top level of a file."""
 
 
 _STRUCTURES = {"model_type": "a mapping", "dict_type": "a mapping", "list_type": "a list"}
@@ -138,8 +140,9 @@ def how_written(path: Path) -> str:
         key = str(path[n - 1])
         if isinstance(owner, type) and issubclass(owner, BaseModel) and key in owner.model_fields:
             plain = _field(path[:n]) is Any  # as the integral of minimize: and the objective of reference:
-            if key in EXAMPLES and not plain:
-                return f"for example {key}: {EXAMPLES[key]}"
+            example = OF_THE_FILE.get(key) if n == 1 else None
+            if (example or key in EXAMPLES) and not plain:
+                return f"for example {key}: {example or EXAMPLES[key]}"
             return f"{key}: {owner.model_fields[key].description}"
     return "what trajopt schema says"
 
