@@ -40,7 +40,8 @@ def test_good_results_are_read_by_every_command(good, tmp_path):
     untouched = [Bad(path, path.stem, lambda path: None) for path in good]
     for own, runs in campaign(untouched, good[0], tmp_path, list(COMMANDS)):
         for run in runs:
-            assert not run.fault and (run.code == 0 or own.name == "failed"), (own.name, run)
+            good_codes = (0, 2) if run.command == "animate" else (0,)  # not every problem has a drawing
+            assert not run.fault and (run.code in good_codes or own.name == "failed"), (own.name, run)
 
 
 def test_what_is_no_result_and_what_holds_no_problem(good, tmp_path):

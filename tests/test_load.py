@@ -92,7 +92,9 @@ def test_an_override_of_a_linear_guess():
 
 
 def test_an_override_does_not_reach_through_an_anchor():
-    shared = broken.GOOD.replace("u: {note: force, lower", "u: &u {note: force, lower").replace("optimize:", "  w: *u\noptimize:")
+    shared = broken.GOOD.replace("u: {note: force, lower", "u: &u {note: force, lower").replace(
+        "optimize:", "  w: *u\noptimize:"
+    )
     spec = good("controls.w.upper=1", text=shared.replace("u - c*v", "u + w - c*v"))
     assert spec.controls["u"].upper.text == "u_max" and spec.controls["w"].upper.text == "1"
 

@@ -77,7 +77,7 @@ WRONG = [
     (["--over", "time.final=1,2", "--shard", "1/2", "--force"], "--force: each shard would throw away what the others"),
     (["--over", "time.final=1,2", "-j", "0"], '--jobs: "0" is no number for it'),
     (["--over", "parameters.q=1,2"], "--over parameters.q=1: parameters has no q; "),
-    (["--over", "mesh.0.method=radau,trap"], '--over mesh.0.method=trap: there is no method "trap"; did you mean'),
+    (["--over", "mesh.0.method=radau,trap"], '--over mesh.0.method=trap: there is no method "trap"; write trapezoid'),
     (["--over", "mesh.0.segments=5:0:2"], "--over mesh.0.segments=0: 0 segments are asked for"),
     (["--over", "mesh.3.segments=5,6"], "--over mesh.3.segments=5: mesh has 1 entries, so there is no entry 3"),
     (["--over", "time.final=1,-1"], "--over time.final=-1: "),

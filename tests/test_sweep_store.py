@@ -33,7 +33,7 @@ time: {initial: 0, final: T}
 states:
   x: {unit: m, rate: v, initial: 0, final: l}
   v: {unit: m/s, rate: u, initial: 0, final: 0}
-controls: {u: {unit: N, lower: -20, upper: 20}}
+controls: {u: {unit: m/s^2, lower: -20, upper: 20}}
 objective: {minimize: {integral: u**2}}
 mesh: [{method: hermite-simpson, segments: 4}]
 """

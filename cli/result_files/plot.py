@@ -41,7 +41,9 @@ def plot(
     xy: Plane = "",
     force: Force = False,
 ) -> None:
-    """Draw states, controls and costates over time; without time, two static parameters as a plane.
+    """Draw states, controls and costates over time.
+
+    Without time, two static parameters are drawn as a plane.
 
     With --error, --mesh and --xy what these say is drawn instead. Several results stand in one picture, overlay.png, or
     with -o FOLDER in one each.

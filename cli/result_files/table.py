@@ -36,7 +36,9 @@ def table(
     units: Units = False,
     force: Force = False,
 ) -> None:
-    """Write states, controls, outputs and costates as a table, one row a time.
+    """Write the curves of results as a table, one row a time.
+
+    Columns are states, controls, outputs and costates.
 
     Example: trajopt table cartpole.h5 --every 0.01 -o swing.csv
 

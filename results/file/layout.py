@@ -180,6 +180,7 @@ ESTIMATES = Group(
 
 PHASE = Group({
     "knots": Array(NUMBER, (KNOTS,), ordered="times"),
+    "knot": Array(NUMBER, (KNOTS,), optional=True),  # a dimension without values, which older results lack
     "points": Group(_curves("points")),
     "dense": Group({**_curves("dense"), "epsilon": Each(_CURVE["dense"], names="states")}),
     "error": Group(

@@ -16,7 +16,7 @@ FILES = [
     raw("a huge file", "#" * 2_000_000, "", "larger than 1 MB"),
     raw("binary junk", bytes(range(256)) * 8, ":2", "UTF-8"),
     raw("binary zeros", b"trajopt: 1\n\x00\x00\x00", ":2", "not a text file"),
-    raw("an HDF5 file", b"\x89HDF\r\n\x1a\n" + bytes(100), ":1", "UTF-8"),
+    raw("an HDF5 file", b"\x89HDF\r\n\x1a\n" + bytes(100), "", "this is a result, not a problem file"),
     raw("Latin-1 text", "trajopt: 1\nname: Brücke\n".encode("latin-1"), ":2", "save the file as UTF-8"),
     raw("a list", "- 1\n- 2\n", ":1", "not a mapping"),
     raw("a word", "hello\n", ":1", "not a mapping"),

@@ -162,7 +162,7 @@ def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarra
     point, value = (builder.data(f"{name}_{k}", over, v) for k, v in (("point", points), ("value", own.before(t))))
 
     def rule(block: Any, q: Any) -> Any:
-        return item(block.z, own.name, item(point, q)) == item(value, q)
+        return item(block.z, own.name, item(point, q)) - item(value, q) == 0.0
 
     _add(builder, name, over, rule, own, points)
 

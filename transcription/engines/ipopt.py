@@ -155,8 +155,10 @@ def _problem(**definition: Any) -> Any:
 def _accepts(problem: Any, name: str, value: object) -> bool:
     if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
         return False
-    attempts = (value, float(value)) if isinstance(value, int) else (value,)  # IPOPT tells 1 from 1.0
-    for attempt in attempts[1:] if name in _REAL else attempts:
+    attempts: tuple[object, ...] = (value,)
+    if isinstance(value, int):  # IPOPT tells 1 from 1.0
+        attempts = (float(value),) if name in _REAL else (value, float(value))
+    for attempt in attempts:
         try:
             problem.add_option(name, attempt)
         except TypeError:
