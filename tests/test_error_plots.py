@@ -46,6 +46,16 @@ def test_error_picture_has_what_each_segment_adds_to_the_bar(solved):
     assert json.loads(told)["objective_error"] == pytest.approx(result.objective_error)
 
 
+@pytest.mark.parametrize("lacks", [("relative",), ("shares",), ("relative", "shares")])
+def test_what_a_result_lacks_is_told(solved, lacks, recwarn):
+    result = read(solved("cartpole"))
+    phase = replace(result.phases[0], **dict.fromkeys(lacks, np.zeros(0)))
+    shown = error_plots.error_figure(replace(result, phases=(phase,))).axes[-2:]
+    told = [ax.get_title(loc="right") == "not in this result" for ax in shown]
+    assert told == ["relative" in lacks, "shares" in lacks]
+    assert not recwarn.list
+
+
 @pytest.mark.parametrize(
     ("name", "why"), [("pendulum", "finite differences have no costates"), ("unsolved", "the point is not optimal")]
 )

@@ -64,6 +64,10 @@ def draw_no_bar(ax: Axes, result: Result) -> None:
 
 def _draw_segments(ax: Axes, label: str, values: np.ndarray, colour: str) -> None:
     """A step for each segment, values (N,), which are told to be largest where they are."""
+    if not len(values):
+        set_title(ax, label, "not in this result")  # of an older version
+        ax.set_axis_off()
+        return
     ax.stairs(values, np.arange(len(values) + 1) + 0.5, fill=True, color=colour, edgecolor=BLACK, linewidth=0.4)
     finite = np.isfinite(values).any()
     note = f"max {np.nanmax(values):.2g} in segment {np.nanargmax(values) + 1}" if finite else "not finite"
