@@ -182,7 +182,7 @@ def test_the_walk_meets_every_field():
     assert known - keys == {"model", "next", "file", "arguments", "simulate", "apart"}
 
 
-@pytest.mark.parametrize(("number", "value"), enumerate(WRONG.values()), ids=WRONG.keys())
+@pytest.mark.parametrize(("number", "value"), list(enumerate(WRONG.values())), ids=WRONG.keys())
 def test_no_message_is_foreign(number, value):
     """Each value in a third of the places, another third for the next value."""
     full = full_data()
