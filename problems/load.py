@@ -207,7 +207,8 @@ def _empty(data: Any, path: Place = ()) -> Iterator[Finding]:
     for key, value in items:
         if value is None and key in ("lower", "upper", "equals", "initial", "final") and len(path) > 1:
             yield Finding((*path, key), f"{key}: is empty, and counts as left out", f"write a value, or remove {key}:")
-        yield from _empty(value, (*path, key))
+        if isinstance(value, dict | list):
+            yield from _empty(value, (*path, key))
 
 
 def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:

@@ -197,7 +197,12 @@ class _Loop:
         if found[0].status.usable and not left_basin(self.last[0], found[0]):
             self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
             return found
-        self.stopped = f"{told}, which is worse than {self.last[0].objective:.8g} by more than both error bars"
+        before = self.last[0].objective
+        if self.last[0].problem.sense * (left[0].objective - before) > 0:
+            why = f"which is worse than {before:.8g} by more than both error bars"
+        else:  # see `left_basin`
+            why = f"which is not believed beside {before:.8g}, as the error of the dynamics has grown with it"
+        self.stopped = f"{told}, {why}"
         return None
 
     def _refine(self, number: int, found: Found, refine: Refine) -> None:
@@ -224,20 +229,25 @@ class _Loop:
         assert self.last is not None
         gap = _gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
-        meshes = (*self.history[:-1], solution.meshes[-1])
+        solution = replace(
+            solution,
+            meshes=(*self.history[:-1], solution.meshes[-1]),
+            unmet=self.unmet,
+            stopped=self.stopped,
+            discarded=self.discarded,
+            accept=self.settings.accept,
+            sensitive=partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of),
+        )
+        damped = solved.damping.told(solution.trajectories, solved.worth)
+        notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
+        if self.settings.refine and not self.unmet and (why := unminimised(solution)):
+            notes += (why,)
+        solution = replace(solution, notes=notes)
         if solution.status.usable:
             continuous = not all(phase.exact for phase in solution.problem.phases)
             kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
             own = prices(solved.transcription, solved.nlp, solved.outcome)
             solution = replace(solution, prices=own, program=kind)
-        damped = solved.damping.told(solution.trajectories, solved.worth)
-        notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
-        if self.settings.refine and not self.unmet and (why := unminimised(replace(solution, meshes=meshes))):
-            notes += (why,)
-        solution = replace(solution, meshes=meshes, unmet=self.unmet, stopped=self.stopped, notes=notes)
-        solution = replace(solution, discarded=self.discarded)
-        sensitive = partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of)
-        solution = replace(solution, accept=self.settings.accept, sensitive=sensitive)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
 
