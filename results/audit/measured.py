@@ -23,7 +23,7 @@ def jumps_of_costates(result: Reloaded, number: int, tolerance: float) -> Iterat
     inner = knots_at(mesh, measured_fractions(trajectory.phase))
     if costate is None or not len(inner):
         return
-    slopes = result.nlp.measured.gradient(result.outcome.z)[layout.x[:, mesh.knots[inner]]]  # type: ignore[attr-defined]
+    slopes = result.nlp.term.gradient(result.outcome.z)[layout.x[:, mesh.knots[inner]]]  # type: ignore[attr-defined]
     before, after = costate[:, mesh.offset[inner] - 1], costate[:, mesh.offset[inner]]
     missed = np.abs(before - after - slopes) / (np.abs(costate).max(axis=1, keepdims=True) + 1e-300)
     i, k = map(int, np.unravel_index(np.argmax(np.nan_to_num(missed, nan=np.inf)), missed.shape))

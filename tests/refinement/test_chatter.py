@@ -59,10 +59,10 @@ def test_a_straight_control_costs_nothing_and_an_oscillation_what_the_formula_sa
     known = layout.u[0] >= 0
     z, tau = np.zeros(bang_bang.nlp.n), layout.mesh.fractions[known]
     z[layout.u[0, known]] = 0.3 - 0.7 * tau
-    assert program.added(z) == pytest.approx(0, abs=1e-25)
+    assert program.term.objective(z) == pytest.approx(0, abs=1e-25)
     z[layout.u[0, known]] = (-1.0) ** np.arange(len(tau))  # d = 4, whatever the distances: 4 over the span of 2
     h = np.diff(tau)
-    assert program.added(z) == pytest.approx(0.3 * 2.0 * np.sum((h[:-1] + h[1:]) / 2 * (4 / 2) ** 2))
+    assert program.term.objective(z) == pytest.approx(0.3 * 2.0 * np.sum((h[:-1] + h[1:]) / 2 * (4 / 2) ** 2))
 
 
 def test_derivatives_of_the_damped_program(bang_bang, damped):

@@ -67,7 +67,7 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     places = transcription.parameters[wanted]
     values, names = outcome.z[places], tuple(problem.parameters[i].name for i in wanted)
     count = int(sum((own.weights > 0).sum() for own in measured))
-    residuals, given = nlp.measured.objective(outcome.z), all(own.exact for own in measured)  # type: ignore[attr-defined]
+    residuals, given = nlp.term.objective(outcome.z), all(own.exact for own in measured)  # type: ignore[attr-defined]
     acting = _Acting(transcription, nlp, outcome)
     free = acting.unknowns - acting.rows.size
     none = np.full(len(values), np.nan)

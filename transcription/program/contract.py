@@ -78,6 +78,52 @@ class NonlinearProgram(Protocol):
         ...
 
 
+class Term(Protocol):
+    """A part of an objective: its values and derivatives at z, shape (n,).
+
+    structure: rows and columns (row >= column) of the nonzeros of its Hessian; those that stand twice are added.
+    """
+
+    @property
+    def structure(self) -> tuple[np.ndarray, np.ndarray]: ...
+
+    def objective(self, z: np.ndarray) -> float: ...
+
+    def gradient(self, z: np.ndarray) -> np.ndarray: ...
+
+    def hessian(self, z: np.ndarray) -> np.ndarray: ...
+
+
+class WithTerm:
+    """The callbacks, numbers and names of a program, with one term more in its objective: f(z) + term(z).
+
+    What it does not say itself the program says: rows, constraints and their derivatives, what costates are made of.
+    """
+
+    def __init__(self, nlp: NonlinearProgram, term: Term) -> None:
+        self.nlp, self.term = nlp, term
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.nlp, name)
+
+    def objective(self, z: np.ndarray) -> float:
+        """f(z)."""
+        return self.nlp.objective(z) + self.term.objective(z)
+
+    def gradient(self, z: np.ndarray) -> np.ndarray:
+        """df/dz, shape (n,)."""
+        return self.nlp.gradient(z) + self.term.gradient(z)
+
+    def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows and columns (row >= column) of the nonzeros of the Hessian; those that stand twice are added."""
+        (rows, columns), (more_rows, more_columns) = self.nlp.hessianstructure(), self.term.structure
+        return np.append(rows, more_rows), np.append(columns, more_columns)
+
+    def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        return np.concatenate([self.nlp.hessian(z, y, sigma), sigma * self.term.hessian(z)])
+
+
 def callback(method: Callable) -> Callable:
     """A function of z of a nonlinear program: its class has `move` to z, and `culprits` of what is not finite."""
     name = method.__name__

@@ -26,10 +26,10 @@ import numpy as np
 from ...problems.problem import Variable
 from ...problems.text import short_repr
 from ..layout import Transcription
-from ..program.contract import NonlinearProgram
+from ..program.contract import NonlinearProgram, WithTerm
 from ..solution.trajectory import Trajectory
 from ..solution.violation import of_phase
-from .damped import Damped
+from .damped import Squares
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
 TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
@@ -63,7 +63,7 @@ class Damping:
     strength: float = STRENGTH
     size: float = 1.0
 
-    def of(self, nlp: NonlinearProgram, transcription: Transcription) -> Damped | None:
+    def of(self, nlp: NonlinearProgram, transcription: Transcription) -> WithTerm | None:
         """A program with damped controls; None if nothing is to be damped.
 
         nlp: the program of the problem itself.
@@ -72,7 +72,7 @@ class Damping:
         if not self.controls:
             return None
         columns, factors = zip(*(self._rows(transcription, control) for control in self.controls), strict=True)
-        return Damped(nlp, np.concatenate(columns), np.concatenate(factors))
+        return WithTerm(nlp, Squares(np.concatenate(columns), np.concatenate(factors)))
 
     def _rows(self, transcription: Transcription, rough: Rough) -> tuple[np.ndarray, np.ndarray]:
         """Columns and factors of one control, (M, 3) each."""
@@ -94,7 +94,7 @@ class Damping:
         z: (n,) the unknowns.
         """
         damped = self.of(nlp, transcription)
-        return damped.added(z) if damped else 0.0
+        return damped.term.objective(z) if damped else 0.0
 
     def told(self, trajectories: Sequence[Trajectory], worth: float) -> list[str]:
         """What was done, a sentence for each control.
