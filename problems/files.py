@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from errno import ELOOP, ESRCH
 from functools import cache
 from pathlib import Path
 
-from .errors import FileError, Mistake
+from .errors import FileError, Mistake, SpecError
 
 PIPES = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
 """Where shells put what they pipe in, as <(...) does; a FIFO by any other name could hang for ever."""
@@ -65,6 +65,21 @@ def followed(path: Path) -> Path:
     if meant.is_symlink():
         raise OSError(ELOOP, os.strerror(ELOOP), str(path))
     return meant
+
+
+def check_suffix(path: Path, what: str, suffixes: Sequence[str], remedy: str) -> None:
+    """Refuse a name that says another format.
+
+    path: of a file to come.
+    what: it will be, as "picture".
+    suffixes: those that the path may have, in lower case, as ".png".
+    remedy: what to do.
+
+    Raises SpecError.
+    """
+    if path.suffix.lower() not in suffixes:
+        other = f'no {what} is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
+        raise SpecError(Mistake(str(path), other, remedy))
 
 
 @contextmanager

@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import Formatter
 
-from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import check_writable, replacing
+from ...problems.errors import FileError, Mistake
+from ...problems.files import check_suffix, check_writable, replacing
 from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -227,9 +227,7 @@ def check_picture(path: Path, suffixes: Sequence[str], force: bool = False) -> N
 
     Raises SpecError for a suffix that is none of `suffixes`, FileError otherwise.
     """
-    if path.suffix.lower() not in suffixes:
-        what = f'no picture is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
-        raise SpecError(Mistake(str(path), what, f"end the name with {' or '.join(suffixes)}"))
+    check_suffix(path, "picture", suffixes, f"end the name with {' or '.join(suffixes)}")
     check_writable(path)
     if path.exists() and not force and not drawn_by_us(path):
         what = "it exists and was not drawn by trajopt"

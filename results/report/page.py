@@ -16,8 +16,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import check_writable, replacing
+from ...problems.errors import FileError, Mistake
+from ...problems.files import check_suffix, check_writable, replacing
 from ..file.summary import plain
 
 HERE = Path(__file__).parent
@@ -71,9 +71,7 @@ def check_page(path: Path, force: bool = False) -> None:
 
     Raises SpecError for another suffix, FileError otherwise.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        what = f'no page is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
-        raise SpecError(Mistake(str(path), what, "end the name with .html"))
+    check_suffix(path, "page", SUFFIXES, "end the name with .html")
     check_writable(path)
     if path.exists() and not force and not _ours(path):
         what = "it exists and is no page of 'trajopt report'"

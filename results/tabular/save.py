@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import replacing
+from ...problems.files import check_suffix, replacing
 from .columns import Column
 
 CSV, PARQUET = ".csv", ".parquet"
@@ -19,11 +19,10 @@ CSV, PARQUET = ".csv", ".parquet"
 
 def check_format(path: Path) -> None:
     """Refuse, before any work is done, a name of neither format, or Parquet without pandas. Raises SpecError."""
-    suffix = path.suffix.lower()
-    if suffix not in (CSV, PARQUET):
-        what = f'no table is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
-        raise SpecError(Mistake(str(path), what, f"end the name with {CSV} or {PARQUET}"))
-    if suffix == PARQUET and not (find_spec("pandas") and (find_spec("pyarrow") or find_spec("fastparquet"))):
+    check_suffix(path, "table", (CSV, PARQUET), f"end the name with {CSV} or {PARQUET}")
+    if path.suffix.lower() == PARQUET and not (
+        find_spec("pandas") and (find_spec("pyarrow") or find_spec("fastparquet"))
+    ):
         what = "Parquet files need the packages pandas and pyarrow, which are not installed"
         raise SpecError(Mistake(str(path), what, f"run: pip install pandas pyarrow, or end the name with {CSV}"))
 
