@@ -107,6 +107,7 @@ class Symbols:
         }
         self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
+        self.found = "optimize" if spec.static else "controls"
         self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
         self.tables = lookups.fitted(spec, self.findings)
@@ -256,7 +257,7 @@ class Symbols:
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        return what, self._like(name, context) or _declared(name, context)
+        return what, self._like(name, context) or _declared(name, context, self.found)
 
     def _like(self, name: str, context: str) -> str:
         """The question after the known name that is most like this one; "" where there is none."""
@@ -345,12 +346,12 @@ class Symbols:
                 self.fixed[name] = given(expression, self._of_fixed)
 
 
-def _declared(name: str, context: str) -> str:
-    """How a name is declared that an expression uses."""
+def _declared(name: str, context: str, found: str) -> str:
+    """How a name is declared that an expression uses; found: the section of what is to be found."""
     given = f"under parameters: as {name}: 1.0"
     if context == CONSTANT:
         return f"declare it, for example {given}"
-    return f"declare it: under controls: as {name}: {{}} if it is to be found, {given} if it is given"
+    return f"declare it: under {found}: as {name}: {{}} if it is to be found, {given} if it is given"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import ceil, inf, log
+from math import ceil, log
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.problem import TOLERATED_EXCESS, Range
-from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result, bounds_beside, extent
 from .style import (
     BLACK,
     GREY,
@@ -73,7 +73,7 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         if kind != "costate":
             _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
-    low, high = _extent([phase.curves[kind][name] for phase in phases])
+    low, high = extent([phase.curves[kind][name] for phase in phases])
     far = [] if kind == "costate" else bound_lines(ax, phases, kind, name, bounds)
     if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
         middle, half = (low + high) / 2, max(FLAT * max(abs(low), abs(high)) / 2, NOISE) if low or high else 1.0
@@ -129,13 +129,6 @@ def draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
     ax.vlines(knots, 0, 0.035, transform=ax.get_xaxis_transform(), label="segment edge", **style)
 
 
-def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
-    """The least and the greatest finite value; (0, 0) if there is none."""
-    values = np.concatenate([part for curve in curves for part in (curve.points, curve.dense)])
-    finite = values[np.isfinite(values)]
-    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
-
-
 def _without_spikes(curves: Sequence[Curve]) -> tuple[float, float] | None:
     """The range to draw where few samples of a polynomial shoot out beside a jump; None where nothing does."""
     points, dense = (np.concatenate([getattr(curve, part) for curve in curves]) for part in ("points", "dense"))
@@ -155,23 +148,16 @@ def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, b
     kind, name, bounds: as of `draw_curve`.
     """
     far = []
-    low, high = _extent([phase.curves[kind][name] for phase in phases])
-    near = high - low or max(abs(low), 1.0) / 10
-    for phase in phases:
-        bound = bounds.get(phase.name, {}).get(name, Range())
-        least, most = _extent([phase.curves[kind][name]])
-        for value, gap, beyond, arrow in (
-            (bound.lower, low - bound.lower, bound.lower - least, "↓"),
-            (bound.upper, bound.upper - high, most - bound.upper, "↑"),
-        ):
-            if gap <= near:
-                broken = beyond > TOLERATED_EXCESS * (1 + abs(value))
-                style: dict[str, Any] = {"color": GREY, "label": "bound"}
-                if broken:
-                    style = {"color": VIOLATED, "label": "violated bound"}
-                ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
-            elif gap < inf:
-                far.append(f"{arrow} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
+    for phase, value, upper, near in bounds_beside(phases, kind, name, bounds):
+        if not near:
+            far.append(f"{'↑' if upper else '↓'} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
+            continue
+        least, most = extent([phase.curves[kind][name]])
+        broken = (most - value if upper else value - least) > TOLERATED_EXCESS * (1 + abs(value))
+        style: dict[str, Any] = {"color": GREY, "label": "bound"}
+        if broken:
+            style = {"color": VIOLATED, "label": "violated bound"}
+        ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
     return far
 
 

@@ -8,13 +8,13 @@ with points) or steps. Charts of one `sync` are zoomed together.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, isfinite
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from ...problems.problem import Range
-from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result, bounds_beside
 
 Chart = dict[str, Any]
 Bounds = Mapping[str, Mapping[str, Range]]
@@ -24,7 +24,6 @@ SAMPLES = 1500  # of one curve of one phase
 POINTS = 500  # of all phases, beyond which they would only hide the curve
 DIGITS = 7
 NEAR_TIMES = 1e-9  # of the duration: times that are one
-NEAR = 1.0  # ranges of the curve: a bound that is farther off is told in words
 
 
 def curves(result: Result, bounds: Bounds) -> dict[str, list[Chart]]:
@@ -187,18 +186,12 @@ def _joined(parts: Sequence[np.ndarray], gap: bool) -> list[float | None]:
 
 def _bounds(phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> tuple[list[dict[str, float]], str]:
     """The bounds that are drawn, each over its phase, and those that are far off, in words."""
-    values = np.concatenate([phase.curves[kind][name].dense for phase in phases])
-    finite = values[np.isfinite(values)]
-    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
-    reach = NEAR * (high - low) or max(abs(low), 1.0) / 10
     near, far = [], []
-    for phase in phases:
-        own = bounds.get(phase.name, {}).get(name, Range())
-        for value, gap, arrow in ((own.lower, low - own.lower, "≥"), (own.upper, own.upper - high, "≤")):
-            if gap <= reach:
-                near.append({"value": value, "from": float(phase.knots[0]), "to": float(phase.knots[-1])})
-            elif gap < inf:
-                far.append(f"{arrow} {value:.4g}".replace("-", "\N{MINUS SIGN}"))
+    for phase, value, upper, is_near in bounds_beside(phases, kind, name, bounds):
+        if is_near:
+            near.append({"value": value, "from": float(phase.knots[0]), "to": float(phase.knots[-1])})
+        else:
+            far.append(f"{'≤' if upper else '≥'} {value:.4g}".replace("-", "\N{MINUS SIGN}"))
     return near, "bounds " + " and ".join(dict.fromkeys(far)) if far else ""
 
 
