@@ -24,3 +24,14 @@ def test_a_command_imports_what_it_needs(command, lacks, folder):
     run = subprocess.run(told, capture_output=True, text=True, check=True)
     loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
     assert "typer" in loaded and not loaded & lacks
+
+
+AFTER_PYOMO = [("scipy.sparse.linalg", "scipy.stats"), ("matplotlib", "matplotlib.pyplot")]
+
+
+@pytest.mark.parametrize(("imported", "lacks"), AFTER_PYOMO)
+def test_a_library_that_is_needed_after_pyomo_brings_no_more(imported, lacks):
+    loaded = f"print('pyomo' in sys.modules, {lacks!r} in sys.modules)"
+    script = f"import sys, trajopt.transcription.solve, {imported}; {loaded}"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout == "True False\n"

@@ -10,6 +10,7 @@ from typing import Any
 
 import pyomo.core.base.constraint as pyomo_constraint
 import pyomo.core.base.objective as pyomo_objective
+from pyomo.common.dependencies import DeferredImportCallbackFinder
 from pyomo.core import Var
 from pyomo.core.expr import numeric_expr as ne
 from pyomo.core.expr.numvalue import native_types
@@ -36,6 +37,11 @@ def _sum(context: _template_iter_context, *args: Any, **kwargs: Any) -> Any:
 
 
 _template_iter_context.sum_template = _sum
+
+for _library in ("scipy", "matplotlib"):
+    # Pyomo's hook would load scipy.stats or pyplot, for up to a second, whenever anyone imports a part of these. Pyomo
+    # itself asks for them by other ways. The hook is private to Pyomo as well.
+    DeferredImportCallbackFinder._callbacks.pop(_library, None)
 
 
 class TemplateError(RuntimeError):
