@@ -30,7 +30,8 @@ import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Delayed, Phase, Problem
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY
 from ..program.templates import item
 from ..schemes.mesh import Mesh

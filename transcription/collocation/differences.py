@@ -18,7 +18,8 @@ import pyomo.core as pyomo
 from pyomo.core import RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Curves, Phase, Problem, Range, State
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Range, State
 from ..constraint_kinds import DEFECT
 from ..method_kind import no_delays
 from ..program.templates import item

@@ -33,8 +33,8 @@ from pyomo.core import Any as AnyValue
 from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, Var
 
 from ...problems.expressions.structure import Form
-from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
+from ...problems.quantities import Constraint as PathConstraint
 from ..constraint_kinds import LINK
 from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..program.compiler import CompiledNLP

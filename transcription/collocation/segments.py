@@ -21,7 +21,8 @@ import numpy as np
 import pyomo.core as pyomo
 from pyomo.core import Constraint, RangeSet, Set
 
-from ...problems.problem import Curves, State
+from ...problems.problem import Curves
+from ...problems.quantities import State
 from ...problems.sets import without
 from ..constraint_kinds import DEFECT
 from ..program.templates import item
