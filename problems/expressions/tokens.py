@@ -53,5 +53,12 @@ def closing(text: str, bracket: Token) -> Token:
 
 
 def fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:
-    """Raise ExpressionError that quotes the text from one token to another."""
+    """Raise ExpressionError that quotes a part of an expression.
+
+    text: the expression.
+    first: the first token that is quoted.
+    last: the last one.
+    what: the mistake.
+    remedy: how to mend it.
+    """
     raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)

@@ -19,7 +19,9 @@ LAST_FRAME = 0.8  # seconds that a film rests on its last frame before it begins
 def write_film(path: Path, suffix: str, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
     """Write pictures to a file.
 
+    path: of the file.
     suffix: of the format, ".gif" or ".mp4".
+    pictures: all of one size.
     fps: pictures a second.
     about: what the file says of itself: Software and Title.
 

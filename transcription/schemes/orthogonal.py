@@ -57,10 +57,14 @@ def collocated_at(
     source: str,
     degree: int,
 ) -> Scheme:
-    """The scheme with collocation nodes c, shape (n,), of the unit segment.
+    """The scheme with the given collocation nodes.
 
+    c: of the unit segment, shape (n,).
     form: of its defects, "integral" or "differential"; they have the same solutions.
-    name, family, source, degree: of the method.
+    name: of the method.
+    family: it belongs to.
+    source: of the method.
+    degree: within the family.
 
     Integral form: x_i = x_0 + h sum_j A_ij f_j for every state node after the first, A_ij the integral of l_j.
     Differential form: the slope of the state polynomial is h f_j at every node (Gauss and Radau, (D.6)); for Lobatto
