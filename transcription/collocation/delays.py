@@ -28,7 +28,8 @@ from typing import Any
 import numpy as np
 
 from ...problems.errors import Mistake
-from ...problems.problem import Delayed, Phase, Problem
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY
 from ..libraries.pyomo import Constraint, RangeSet, pyomo
 from ..program.templates import item

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from ...problems.errors import Mistake
-from ...problems.problem import Curves, Phase, Problem, Range, State
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Range, State
 from ..constraint_kinds import DEFECT
 from ..libraries.pyomo import RangeSet, pyomo
 from ..method_kind import no_delays

@@ -30,8 +30,8 @@ from typing import Any
 import numpy as np
 
 from ...problems.expressions.structure import Form
-from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
+from ...problems.quantities import Constraint as PathConstraint
 from ..constraint_kinds import LINK
 from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..libraries.pyomo import AnyValue, Block, ConcreteModel, Constraint, Objective, Param, Var, pyomo

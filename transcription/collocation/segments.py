@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Curves, State
+from ...problems.problem import Curves
+from ...problems.quantities import State
 from ...problems.sets import without
 from ..constraint_kinds import DEFECT
 from ..libraries.pyomo import Constraint, RangeSet, Set, pyomo
