@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import nan
 
-from ..problems.problem import Range
+from ..problems.quantities import Range
 
 LOWER, INSIDE, UPPER = "lower", "inside", "upper"
 """Where something is, on an arc."""

@@ -11,7 +11,8 @@ import numpy as np
 from .arrays import array_of, dimension_of, group_of, scale_of, texts
 
 if TYPE_CHECKING:
-    from ...problems.problem import Phase, Problem, Variable
+    from ...problems.problem import Phase, Problem
+    from ...problems.quantities import Variable
     from ...transcription.arcs import Course
     from ...transcription.solution.error import ErrorProfile
     from ...transcription.solution.trajectory import Trajectory

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from trajopt.cli.output.arcs import few_arcs
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 from trajopt.results.file.summary import summarize
 from trajopt.results.file.write import write
 from trajopt.transcription.arcs import CONTROL, INSIDE, LOWER, PATH, SINGULAR, STATE, UPPER, Arc, Course

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...problems.problem import Function
+from ...problems.quantities import Function
 from ..solution.trajectory import Trajectory
 
 AFFINE = 1e-9  # relative: what the middle of two values may differ from the value of the middle

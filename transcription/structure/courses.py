@@ -21,7 +21,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.problem import Phase, Range
+from ...problems.problem import Phase
+from ...problems.quantities import Range
 from ..arcs import CLOSE, CONTROL, HELD, INSIDE, LOWER, PATH, SINGULAR, STATE, UPPER, Arc, Course
 from ..constraint_kinds import BOUND
 from ..constraint_kinds import PATH as PATH_ROWS
