@@ -232,7 +232,8 @@ def _arcs(group: h5py.Group) -> list[dict[str, Any]]:
     """Each quantity that is on a bound somewhere, with its arcs one after the other."""
     if "arcs" not in group:
         return []
-    own, found = group["arcs"], {}
+    own = group["arcs"]
+    found: dict[tuple[str, str], dict[str, Any]] = {}
     numbers, words = ("start", "end", "bound"), ("on", "by")
     columns = {key: own[key][:] for key in numbers} | {key: own[key].asstr()[:] for key in (*words, "name", "kind")}
     for k, (kind, name) in enumerate(zip(columns["kind"], columns["name"], strict=True)):

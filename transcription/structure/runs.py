@@ -68,9 +68,9 @@ def snapped(arcs: Sequence[Arc], times: Sequence[float]) -> tuple[Arc, ...]:
     """
     ends = [arcs[0].start]
     for arc, after in pairwise(arcs):
-        nearest = min(times, key=lambda t, end=arc.end: abs(t - end), default=arc.end)
+        distance, nearest = min(((abs(t - arc.end), t) for t in times), default=(0.0, arc.end))
         reach = CLOSE * min(arc.end - arc.start, after.end - after.start)
-        ends.append(nearest if abs(nearest - arc.end) <= reach else arc.end)
+        ends.append(nearest if distance <= reach else arc.end)
     ends.append(arcs[-1].end)
     return tuple(replace(arc, start=start, end=end) for arc, (start, end) in zip(arcs, pairwise(ends), strict=True))
 
