@@ -12,7 +12,7 @@ import numpy as np
 
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
-from ..problem import Range
+from ..quantities import Range
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 

@@ -10,7 +10,7 @@ from ..measured import compared
 from ..names.occurrences import measured_path
 from ..names.roles import with_article
 from ..names.symbols import Symbols
-from ..problem import Range
+from ..quantities import Range
 from ..schema.measurements import MeasuredEntry
 from ..schema.spec import Spec
 from ..tables.series import TIME

@@ -14,7 +14,8 @@ from math import isclose
 from typing import Any, NamedTuple
 
 from ..expressions.expression import parse
-from ..expressions.slips import MAX_LENGTH, ExpressionError
+from ..expressions.slips import MAX_LENGTH
+from ..expressions.tokens import ExpressionError
 from ..expressions.tree import leaves
 from ..text import brief, did_you_mean
 from ..yaml.document import MAX_NODES, Path, in_words

@@ -13,7 +13,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
-from ..expressions.slips import ENDS, MAX_LENGTH, RATE, ExpressionError, check_syntax
+from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
+from ..expressions.tokens import ExpressionError
 from ..language.loops import Mistaken
 from ..text import shorten, tidy
 from . import algebra

@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 
 from ...problems.probe import depends_on
-from ...problems.problem import Function, Phase, Range
+from ...problems.problem import Phase
+from ...problems.quantities import Function, Range
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier

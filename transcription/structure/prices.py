@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ..constraint_kinds import Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Transcription
