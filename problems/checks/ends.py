@@ -81,7 +81,9 @@ def delay_mistakes(spec: Spec, symbols: Symbols, alone: bool) -> Iterator[Findin
     for end in ("initial", "final"):
         if getattr(spec.time, end).value is None:
             what = f"the {end} time is free, and {first.name} is interpolated on a mesh at given times"
-            remedy = f"give it a value, and sweep over it to see which is best: trajopt sweep FILE --over time.{end}=2:4:9"
+            remedy = (
+                f"give it a value, and sweep over it to see which is best: trajopt sweep FILE --over time.{end}=2:4:9"
+            )
             yield Finding(("time", end), what, remedy)
     for own in delays:
         if spec.discrete and own.lag % 1:
