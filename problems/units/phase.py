@@ -174,7 +174,8 @@ class PhaseUnits:
         if terms.terminal is not None:
             yield Term((*path, "terminal"), self.reader.read((*path, "terminal"), terms.terminal))
         for name, entry in self.spec.measurements.items():
-            yield from (Term(*found) for found in sum_of_squares(name, entry, self))
+            found = sum_of_squares(name, entry, self.symbols, self.time, self.unit, self.reader)
+            yield from (Term(*term) for term in found)
 
     def _over_time(self, value: Value) -> Measure | None:
         return value.times(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None

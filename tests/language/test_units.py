@@ -259,7 +259,7 @@ def test_pairs_have_units():
     for old, new, place in (
         ("a: y - r", "a: y - m", "complementarity.0.a"),
         ("b: f*v", "b: f*v + m", "complementarity.1.b"),
-        ("b: f}, {", "b: f + sin(v)}, {", "complementarity.0.b"),
+        ("b: f}, {", "b: f + y}, {", "complementarity.0.b"),
     ):
         (told,) = sentences(CONTACT.replace(old, new))
         assert told.startswith(f"file.yaml:8: {place}: ")
