@@ -10,20 +10,28 @@ second derivatives of J by p on the way, the reduced Hessian, are the inverse of
     [ A   0  ] [ . ] = [  0  ],          covariance of p = 2 s^2 Z_p
 
 s^2 = 1 where deviations are given; else it is estimated, s^2 = sum of w r^2 / (measurements - unknowns that are free).
-Parameters on their bounds are taken as known.
+Parameters on their bounds are taken as known. Which are does not depend on their units: with the bounds as the barrier
+has them, H + S, where S = multiplier/slack,
+
+    theta_i = S_i Z_ii = S_i / (S_i + c_i),          c_i the reduced second derivative by p_i,
+
+is the part that a bound has in what holds p_i, nearly 1 or nearly 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome
-from ..layout import Transcription, bounded_start
+from ..layout import Transcription
 from ..program.contract import NonlinearProgram
+from ..solution.multipliers import Multipliers
+from ..structure.prices import ACTS
 
 SINGULAR = 1e-10
 """Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""
@@ -68,20 +76,17 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     values, names = outcome.z[places], tuple(problem.parameters[i].name for i in wanted)
     count = int(sum((own.weights > 0).sum() for own in measured))
     residuals, given = nlp.term.objective(outcome.z), all(own.exact for own in measured)  # type: ignore[attr-defined]
-    acting = _Acting(transcription, nlp, outcome)
-    free = acting.unknowns - acting.rows.size
-    none = np.full(len(values), np.nan)
+    program = _Program(transcription, nlp, outcome, places)
+    covariance, why_not = program.covariance(names)
+    free, none = program.free, np.full(len(values), np.nan)
     scale = 1.0 if given else np.sqrt(residuals / (count - free)) if count > free else np.nan
-    why_not, covariance = "", np.diag(none)
     if any(phase.controls for phase in problem.phases) and not given:
         why_not = "with controls, nothing tells how exact the measurements are: give deviations:"
     elif not count > free and not given:
         why_not = (
             f"{count} measurements leave nothing over for {free} unknowns to tell how exact they are: give deviations:"
         )
-    else:
-        covariance, why_not = acting.covariance(places, names)
-        covariance = covariance * scale**2
+    covariance = covariance * scale**2
     deviations = none if why_not else np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(deviations, deviations)
@@ -89,48 +94,71 @@ def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     return Estimates(names, values, deviations, correlation, residuals, count, free, float(scale), given, why_not)
 
 
-class _Acting:
-    """The unknowns that no bound holds, and the constraints that act."""
+class _Program:
+    """The nonlinear program at its solution: the unknowns that no bound holds, and the constraints that act."""
 
-    def __init__(self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> None:
-        self.nlp, self.outcome = nlp, outcome
-        _, lower, upper = bounded_start(transcription)
-        z = outcome.z
-        held = (lower == upper) | (outcome.z_lower > z - lower) | (outcome.z_upper > upper - z)
-        g, y = nlp.constraints_unchecked(z), np.abs(outcome.y)
-        self.moving = np.flatnonzero(~held)
-        self.rows = np.flatnonzero((nlp.cl == nlp.cu) | (y > np.minimum(g - nlp.cl, nlp.cu - g)))
-        self.unknowns = len(self.moving)
+    def __init__(
+        self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, parameters: np.ndarray
+    ) -> None:
+        from scipy.sparse import coo_matrix, diags
+
+        self.nlp, self.outcome, self.parameters = nlp, outcome, parameters
+        own = Multipliers(transcription, nlp, outcome)
+        lower, upper, rows = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
+        self.rows = np.flatnonzero(own.equations | rows)
+        z, y, n = outcome.z, outcome.y, nlp.n
+        half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (n, n)).tocsr()
+        self.H = half + half.T - diags(half.diagonal())
+        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows]
+        held, bounded = own.bounds[0] == own.bounds[1], lower | upper
+        held |= bounded & ~np.isin(np.arange(n), parameters)
+        self.moving = np.flatnonzero(~(held | self._held(own, np.flatnonzero(~held)) & bounded))
         measured = (own for phase in transcription.problem.phases for own in phase.measured)
         self.size = float(sum((own.weights * own.values**2).sum() for own in measured))
 
-    def covariance(self, parameters: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, str]:
-        """2 Z_p, shape (P, P), of parameters at these places, (P,); NaN for those on their bounds; and why there is
-        none, or ""."""
-        from scipy.sparse import bmat, coo_matrix
+    def _held(self, own: Multipliers, moving: np.ndarray) -> np.ndarray:
+        """Which unknowns are parameters on a bound, (n,)."""
+        from scipy.sparse import diags
+
+        with np.errstate(all="ignore"):
+            S = sum(np.where(z > 0, z / slack, 0.0) for z, slack, _ in own.sides[:2])
+        at = np.intersect1d(self.parameters, moving)
+        held = np.zeros(self.nlp.n, bool)
+        Z = self._inverse(self.H + diags(S), moving, at)
+        held[at] = True if Z is None else S[at] * np.diag(Z) > ACTS  # theta
+        return held
+
+    def _inverse(self, H: Any, moving: np.ndarray, at: np.ndarray) -> np.ndarray | None:
+        """The part Z, (K, K), of the inverse KKT matrix of the moving unknowns at some of them, (K,); None if there is
+        no inverse."""
+        from scipy.sparse import bmat
         from scipy.sparse.linalg import splu
 
-        nlp, z, n = self.nlp, self.outcome.z, len(self.outcome.z)
-        rows, columns = nlp.hessianstructure()
-        lower = coo_matrix((nlp.hessian(z, self.outcome.y, 1.0), (rows, columns)), (n, n)).tocsr()
-        H = (lower + lower.T).tolil()
-        H.setdiag(lower.diagonal())
-        A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows][:, self.moving]
-        KKT = bmat([[H.tocsr()[self.moving][:, self.moving], A.T], [A, None]], format="csc")
-        own = np.flatnonzero(np.isin(parameters, self.moving)).tolist()
-        places = np.searchsorted(self.moving, parameters[own])
-        right = np.zeros((KKT.shape[0], len(own)))
-        right[places, np.arange(len(own))] = 1.0
-        found = np.full((len(parameters), len(parameters)), np.nan)
-        undetermined = f"the measurements do not determine {', '.join(names[i] for i in own)}: the reduced Hessian"
+        A, right = self.A[:, moving], np.zeros((len(moving) + len(self.rows), len(at)))
+        places = np.searchsorted(moving, at)
+        right[places, np.arange(len(at))] = 1.0
         try:
-            part = splu(KKT).solve(right)[places]
+            return splu(bmat([[H.tocsr()[moving][:, moving], A.T], [A, None]], format="csc")).solve(right)[places]
         except RuntimeError:  # exactly singular
+            return None
+
+    def covariance(self, names: Sequence[str]) -> tuple[np.ndarray, str]:
+        """2 Z_p, shape (P, P); NaN for parameters on their bounds; and why there is none, or ""."""
+        own = np.flatnonzero(np.isin(self.parameters, self.moving))
+        at = self.parameters[own]
+        found = np.full((len(self.parameters),) * 2, np.nan)
+        undetermined = f"the measurements do not determine {', '.join(names[i] for i in own)}: the reduced Hessian"
+        Z = self._inverse(self.H, self.moving, at)
+        if Z is None:
             return found, f"{undetermined} is singular"
-        part = part + part.T  # 2 Z, symmetric
-        size = 1 + np.abs(z[parameters[own]])
+        part, size = Z + Z.T, 1 + np.abs(self.outcome.z[at])
         scaled = np.linalg.eigvalsh(part / np.outer(size, size)) if np.isfinite(part).all() else np.array([np.nan])
         if not scaled.min(initial=1.0) > 0 or scaled.max(initial=0.0) * SINGULAR * self.size > 1:
             return found, f"{undetermined} is not positive"
         found[np.ix_(own, own)] = part
         return found, ""
+
+    @property
+    def free(self) -> int:
+        """How many unknowns the constraints that act leave free to fit the measurements."""
+        return len(self.moving) - len(self.rows)
