@@ -121,7 +121,8 @@ class _Program:
         from scipy.sparse import diags
 
         with np.errstate(all="ignore"):
-            S = sum(np.where(z > 0, z / slack, 0.0) for z, slack, _ in own.sides[:2])
+            below, above = (np.where(z > 0, z / slack, 0.0) for z, slack, _ in own.sides[:2])
+        S = below + above
         at = np.intersect1d(self.parameters, moving)
         held = np.zeros(self.nlp.n, bool)
         Z = self._inverse(self.H + diags(S), moving, at)
