@@ -24,6 +24,7 @@ from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
 from .structure.convexity import kind_of_program
+from .structure.courses import courses
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
@@ -247,7 +248,8 @@ class _Loop:
             continuous = not all(phase.exact for phase in solution.problem.phases)
             kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
             own = prices(solved.transcription, solved.nlp, solved.outcome)
-            solution = replace(solution, prices=own, program=kind)
+            arcs = courses(solved.transcription, solved.nlp, solved.outcome, solution.trajectories)
+            solution = replace(solution, prices=own, program=kind, arcs=arcs)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
 
