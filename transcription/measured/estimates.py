@@ -148,7 +148,9 @@ class _Program:
         own = np.flatnonzero(np.isin(self.parameters, self.moving))
         at = self.parameters[own]
         found = np.full((len(self.parameters),) * 2, np.nan)
-        undetermined = f"the measurements do not determine {', '.join(names[i] for i in own)}: the reduced Hessian"
+        undetermined = (
+            f"the measurements do not determine {', '.join(names[i] for i in own.tolist())}: the reduced Hessian"
+        )
         Z = self._inverse(self.H, self.moving, at)
         if Z is None:
             return found, f"{undetermined} is singular"
