@@ -30,8 +30,7 @@ from ...problems.text import short_repr
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from ..solution.multipliers import Multipliers
-from ..structure.prices import ACTS
+from ..solution.multipliers import ACTS, Multipliers
 
 SINGULAR = 1e-10
 """Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""
