@@ -21,41 +21,18 @@ is the part that a bound has in what holds p_i, nearly 1 or nearly 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ...problems.text import short_repr
 from ..engines.outcome import Outcome
 from ..layout import Transcription
+from ..measured.estimated import Estimates
 from ..program.contract import NonlinearProgram
 from ..solution.multipliers import ACTS, Multipliers
 
 SINGULAR = 1e-10
 """Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""
-
-
-@short_repr
-@dataclass(frozen=True)
-class Estimates:
-    """names: of the static parameters, (P,), and their values. deviations: (P,) standard errors; NaN where a parameter
-    stands on a bound, and where there are none. correlation: (P, P).
-
-    residuals: the sum of weighted squares. measurements, free: numbers of values and of what was free to fit them.
-    scale: s. given: whether the deviations of the measurements were. why_not: why there are no standard errors, or "".
-    """
-
-    names: tuple[str, ...]
-    values: np.ndarray
-    deviations: np.ndarray
-    correlation: np.ndarray
-    residuals: float
-    measurements: int
-    free: int
-    scale: float
-    given: bool
-    why_not: str = field(default="")
 
 
 def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Estimates | None:
