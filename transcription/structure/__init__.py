@@ -1,1 +1,1 @@
-"""A solved program in; out comes what it shows beside its solution: what kind it is, what bounds are worth, how exact estimates."""
+"""A solved program in; what it shows beside its solution out: its kind, the worth of bounds, how exact estimates are."""
