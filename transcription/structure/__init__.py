@@ -1,1 +1,1 @@
-"""A solved program in; what it shows beside its solution out: its kind, the worth of bounds, how exact estimates are."""
+"""A solved program in; out comes what else it shows: its kind, the worth of bounds, how exact estimates are."""
