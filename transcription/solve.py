@@ -13,7 +13,6 @@ from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
 from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
@@ -25,6 +24,7 @@ from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
 from .structure.convexity import kind_of_program
 from .structure.courses import courses
+from .structure.estimates import estimates
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
 

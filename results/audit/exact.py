@@ -22,9 +22,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...transcription.solution.multipliers import Multipliers
+from ...transcription.solution.multipliers import ACTS, Multipliers
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.structure.prices import ACTS
 from ..file.reload import Reloaded
 from .check import ENGINE, Check, at
 from .optimality import COMPLEX_STEP, Hamiltonian, stationarity

@@ -10,7 +10,7 @@ from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..arcs import Course
 from ..engines.outcome import Outcome, Status
-from ..measured.estimates import Estimates
+from ..measured.estimated import Estimates
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
