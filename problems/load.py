@@ -108,11 +108,11 @@ def load_text(
         spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else []) + early
+        found = early + messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else [])
         raise SpecError(locations.mistakes(found)) from None
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
-        raise SpecError(locations.mistakes(errors + early))
+        raise SpecError(locations.mistakes(early + errors))
     unused = {("parameters", name) for name in counted | sizes}
     told = [w for w in (*warnings, *_empty(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)

@@ -11,7 +11,7 @@ from ..language.loops import Mistaken
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .algebra import Scalar, Shape, Value, each, in_words, shape_of
+from .algebra import Scalar, Shape, Value, as_vector, each, in_words, shape_of
 from .reader import evaluate
 from .scope import DEFINED, RATES, Names
 
@@ -100,7 +100,7 @@ class Filler:
             return UNKNOWN
         if isinstance(found, Scalar) and not (one.shape and one.path[-1] in RATES):
             return found.text
-        if shape_of(found) != one.shape:
+        if shape_of(found := as_vector(found) if len(one.shape) == 1 else found) != one.shape:
             return self._refused(one, f"this is {in_words(shape_of(found))}, and has to be {in_words(one.shape)}")
         return one.of(found).text
 

@@ -85,6 +85,10 @@ def is_of_vectors(text: str, arguments: Sequence[str], scope: Scope) -> bool:
     return _Reader(tidy(text), scope, scalars).has_vectors()
 
 
+class _Slip(Mistaken):
+    """What no expression may look like, with vectors or without."""
+
+
 class _Reader:
     """Reads one text, which may be the body of a function.
 
@@ -129,7 +133,7 @@ class _Reader:
         try:
             check_syntax(new, self.scope.called)
         except ExpressionError as error:
-            raise Mistaken(error.what, error.remedy) from error
+            raise _Slip(error.what, error.remedy) from error
         return new
 
     def _plain(self, found: re.Match[str]) -> str:
@@ -157,6 +161,8 @@ class _Reader:
             return True
         try:
             self.whole()
+        except _Slip:  # of which is told where the function is declared
+            return False
         except Mistaken:
             return True
         return False

@@ -59,7 +59,7 @@ def _declares(data: Mapping[str, Any]) -> bool:
     defined = (own for section in DEFINED for own in entries_of(data, section).values())
     values = (own.get("value") if isinstance(own, dict) else own for own in defined)
     return any("size" in own or any(isinstance(own.get(key), list) for key in RATES) for own in declared) or any(
-        isinstance(own, list) and len(own) > 1 for own in values
+        isinstance(own, list) and (len(own) > 1 or isinstance(next(iter(own), None), list)) for own in values
     )
 
 
@@ -144,12 +144,11 @@ class _Writer:
             if value is None:
                 new[name] = self._scalar(entry, here)
                 continue
-            for one in each_of(value, self.names, here, path):
-                component = str(one.to[-1])
-                if component in new or component in entries:
-                    what = f"{name} has the component {component}, and that is declared, too"
-                    self.filler.findings.append(Finding(here, what, "give one of them another name"))
-                new[component] = self.filler.value(entry, one)
+            made = list(each_of(value, self.names, here, path))
+            if twice := next((one.to[-1] for one in made if one.to[-1] in new or one.to[-1] in entries), None):
+                what = f"{name} has the component {twice}, and that is declared, too"
+                self.filler.findings.append(Finding(here, what, "give one of them another name"))
+            new |= {str(one.to[-1]): self.filler.value(entry, one) for one in made}
         return new
 
     def _by_name(self, entries: Any, path: Path, rows: bool = False) -> Any:

@@ -13,7 +13,7 @@ from ..text import named, shorten
 
 _OPEN, _CLOSED = "([", ")]"
 _NUMBER = re.compile(r"[-+]?\d+")
-_UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?\[[^\]]*\][^,}\"']*)")
+_UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#](?:(?!,\s*\w+:\s)[^\"'#])*?\[[^\]]*\][^,}\"']*)")
 _POWER = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?)\^\{([^}]*)\}")
 _ASSIGNED = re.compile(r"\s*([A-Za-z]\w*)('?)\s*=\s*([^=\s].*?)\s*")
 _NO_ENTRY = re.compile(r"(?:[^:#]|:(?=\S))*[^\s:#](?:[^:#]|:(?=\S))*")
