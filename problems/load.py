@@ -14,6 +14,7 @@ from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
 from .files import PIPES
 from .language import loops
+from .language.conditions import write_conditions
 from .names.symbols import UNKNOWN
 from .phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from .schema import messages
@@ -96,6 +97,7 @@ def load_text(
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
+    write_conditions(document.data, is_static(document.data))
     document, given, overrides, (origin, wrong, sizes) = _without_vectors(document, overrides, numbers)
     data, locations, early = _written_out(document, file, overrides, given, origin)
     early += mistaken + wrong

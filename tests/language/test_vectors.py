@@ -196,6 +196,24 @@ def test_phases_and_links():
     assert [link.name for link in kicks] == ["kick 1", "kick 2"]
 
 
+COLUMNS = """\
+trajopt: 1
+parameters: {A: [[0, 1], [-1, 0]], B: [[0], [1]], c: [1, 0]}
+time: {initial: 0, final: 1}
+states:
+  x: {size: 2, rate: A @ x + B @ u + B*w, initial: 1}
+controls: {u: {size: 1}, w: {}}
+objective: {minimize: {integral: "x @ x + dot(u, u) + w**2"}}
+"""
+
+
+def test_a_matrix_of_one_column_is_a_vector():
+    spec = load_text(COLUMNS, "x.yaml")
+    assert spec.states["x1"].rate.text == "A11*x1 + A12*x2 + B11*u1 + B11*w"
+    with pytest.raises(SpecError, match="one value by"):
+        load_text(COLUMNS.replace("B*w", "B @ w"), "x.yaml")
+
+
 def test_overrides_of_vectors_and_of_components():
     spec = load_text(PHASES, "x.yaml", ["states.r.final=[4, 5]", "states.v2.initial=7", "parameters.e=[2, 3]"])
     assert spec.states["r2"].final.value.text == "5" and spec.states["v2"].initial.value.text == "7"
