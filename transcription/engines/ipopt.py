@@ -16,6 +16,7 @@ from ..libraries.hidden import hidden
 from ..program.alone import LOCK
 from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
+from .linear_solvers import missing_libraries
 from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {
@@ -122,14 +123,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
             known = () if name in FREQUENT_OPTIONS else FREQUENT_OPTIONS  # then it is the value
             remedy = did_you_mean(name, known, otherwise="IPOPT's documentation lists its options and their values")
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
-    wanted = options.get("linear_solver", "mumps")
-    if not mistakes and wanted != "mumps":  # IPOPT takes the name; whether it has the library shows when it runs
-        problem.add_option("print_level", 0)
-        _, info = problem.solve(np.array([0.5]))
-        if Status.from_code(info["status"]) is Status.INVALID_OPTION:
-            remedy = "write mumps, or name the file that holds it: --set solver.hsllib=..., or pardisolib"
-            mistakes.append(Mistake("solver.linear_solver", f"IPOPT cannot load the linear solver {wanted}", remedy))
-    return mistakes
+    return mistakes or [Mistake(f"solver.{name}", *told) for name, told in missing_libraries(options, problem).items()]
 
 
 def _silence(problem: Any) -> None:
