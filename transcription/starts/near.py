@@ -68,9 +68,9 @@ class Near:
         rows = _passed(g[unequal], nlp.cl[unequal], nlp.cu[unequal])
         b = np.where(y > 0, nlp.cu, nlp.cl)
         terms = ((y, g - b), (-z_lower, z - lower), (z_upper, z - upper))
-        foretold = f + sum(own @ np.where(np.isfinite(gap), gap, 0.0) for own, gap in terms)
+        foretold = float(f + sum(own @ np.where(np.isfinite(gap), gap, 0.0) for own, gap in terms))
         close = abs(foretold - self.objective) <= CHANGED * (1 + abs(self.objective))
-        return float(foretold) if close and max(rows, _passed(z, lower, upper)) <= PASSED else np.nan
+        return foretold if close and max(rows, _passed(z, lower, upper)) <= PASSED else np.nan
 
 
 def _passed(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
