@@ -57,7 +57,7 @@ def _check(phase: PhaseLagrangian, claimed: float) -> Check:
     where = ""
     if excess[k] > 0:
         names = ", ".join(f"{c.name} = {v:.4g}" for c, v in zip(phase.phase.controls, better[:, k], strict=True))
-        where = f"{at(points.t[k])}, by {excess[k] / scale:.1e} with {names}"
+        where = f"{at(phase.trajectory, points.t[k])}, by {excess[k] / scale:.1e} with {names}"
     return Check(NAME, value, claimed / (phase.duration * scale), where)
 
 

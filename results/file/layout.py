@@ -273,6 +273,7 @@ SOLVER = Group(
     },
     {
         "violations": Attribute(TEXTS),
+        "involved": Attribute(TEXTS, optional=True),  # results of older versions have none
         "unmet": Attribute(TEXTS),
         "unmet_count": Attribute(WHOLE, above=-1),
         "stopped": Attribute(TEXT),

@@ -43,10 +43,11 @@ def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
 
 def long_life(count: int) -> int:
     """Print what many solves in one process leave; 1 if that grows."""
+    marks = {}
     with tempfile.TemporaryDirectory() as name:
-        marks = dict(life(count, Path(name)))
-    for solves, own in marks.items():
-        print(f"{solves} solves: " + ", ".join(f"{what} {value}" for what, value in own.items()))
+        for solves, own in life(count, Path(name)):
+            marks[solves] = own
+            print(f"{solves} solves: " + ", ".join(f"{what} {value}" for what, value in own.items()), flush=True)
     grown = grows(marks)
     print("grows: " + (", ".join(grown) or "nothing"))
     return int(bool(grown))

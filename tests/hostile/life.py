@@ -20,7 +20,7 @@ controls: {u: {}}
 objective: {minimize: {integral: u**2}}
 mesh: [{method: hermite-simpson, segments: 8}]
 """
-MARKS = (100, 200, 300, 500, 700, 1000, 1500, 2000)
+MARKS = (10, 50, 100, 200, 300, 500, 700, 1000, 1500, 2000)
 """Numbers of solves after which it is looked."""
 SHOOTING = "mesh=[{method: runge-kutta-4, segments: 10}]"
 RADAU = "mesh=[{method: radau, degree: 4, segments: 6}]"
@@ -100,6 +100,6 @@ def grows(marks: dict[int, dict[str, int]]) -> list[str]:
     Caches of compiled code are full by then: memory may grow by a twentieth in the second half, and nothing else at all.
     """
     end = max(marks)
-    half = max(k for k in marks if k <= end / 2)
+    half = max((k for k in marks if k <= end / 2), default=end)
     more = {"MB": 1.05 * marks[half]["MB"]}
     return [what for what, value in marks[end].items() if value > more.get(what, marks[half][what])]
