@@ -60,7 +60,9 @@ def steps(trajectory: Trajectory, allowed: float, tolerance: float) -> Iterator[
     for i, state in enumerate(phase.states):
         deviation = np.nan_to_num(np.abs(own[i] - x[i]) / ranges(trajectory)[i], nan=np.inf)
         k = int(np.argmax(deviation))
-        yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, at(trajectory, t[k]))
+        yield Check(
+            f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, at(trajectory, t[k])
+        )
 
 
 def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance: float) -> Iterator[Check]:

@@ -58,7 +58,12 @@ def junctions(result: Reloaded, claimed: float, tolerance: float) -> Iterator[Ch
         if not shortest:  # a phase that takes no time: H has no meaning in it
             continue
         value = max(abs(jump) - claimed / shortest, 0.0) / scale
-        yield Check(f"H goes on from {source} to {target}, relative", value, tolerance, at(before.trajectory, before.trajectory.t[1]))
+        yield Check(
+            f"H goes on from {source} to {target}, relative",
+            value,
+            tolerance,
+            at(before.trajectory, before.trajectory.t[1]),
+        )
 
 
 def _free_passages(result: Reloaded) -> Iterator[tuple[str, str]]:

@@ -48,7 +48,9 @@ def causes(trouble: str, violations: Sequence[object], involved: Sequence[str] =
     involved: names in the trouble, of which only the first are told.
     """
     if len(involved) > NAMED:
-        trouble = trouble.replace(", ".join(involved), f"{', '.join(involved[:NAMED])} and {len(involved) - NAMED} more")
+        trouble = trouble.replace(
+            ", ".join(involved), f"{', '.join(involved[:NAMED])} and {len(involved) - NAMED} more"
+        )
     return [*filter(None, [trouble]), *map(str, violations[:3])]
 
 

@@ -58,7 +58,11 @@ def results(tmp_path_factory):
 @pytest.mark.parametrize("method", ["hermite-simpson", "mixed"])
 def test_a_boundary_constraint_of_the_top_level_is_called_so(method):
     """Also where phases have methods of their own, so that programs are joined."""
-    mesh = "phases:\n  first:\n    mesh: [{method: runge-kutta-4, segments: 6}]" if method == "mixed" else "phases:\n  first:"
+    mesh = (
+        "phases:\n  first:\n    mesh: [{method: runge-kutta-4, segments: 6}]"
+        if method == "mixed"
+        else "phases:\n  first:"
+    )
     solution = solved(LATE.replace("phases:\n  first:", mesh))
     told = " ".join([*map(str, solution.violations), *solution.relief, solution.trouble])
     assert "boundary constraint 'early'" in told and "link 'early'" not in told
@@ -71,7 +75,9 @@ def test_all_that_is_involved_is_in_json(results):
     for told in (strict_json(trajopt("show", path, "--json").stdout),):
         assert told["involved"] == [f"the {end} value of x{i}" for i in range(1, 6) for end in ("initial", "final")]
         assert told["trouble"] == f"these cannot all hold: {', '.join(told['involved'])}"
-        assert [own.partition(" between")[0] for own in told["violations"]] == [f"the dynamics of x{i}" for i in range(1, 6)]
+        assert [own.partition(" between")[0] for own in told["violations"]] == [
+            f"the dynamics of x{i}" for i in range(1, 6)
+        ]
         assert " more" not in json.dumps(told)
 
 

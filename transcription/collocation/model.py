@@ -117,9 +117,7 @@ def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder], data:
 
         constraint = Constraint(rule=rule)
         model.add_component(f"link{number}", constraint)
-        families.append(
-            Family(constraint, BETWEEN, kind_between(link), link.name, np.array([[0.0, 1.0]]), np.ones(1))
-        )
+        families.append(Family(constraint, BETWEEN, kind_between(link), link.name, np.array([[0.0, 1.0]]), np.ones(1)))
     return families
 
 
