@@ -68,8 +68,8 @@ class Array:
 
     unless: the member that may stand in its place.
     ordered: "" for any values; "times": finite, and none before another; "edges": from 0 to 1, each beyond the one
-    before. finite: whether all are finite numbers. names: the symbol whose names its texts are. limits: the least and the
-    largest value.
+    before. finite: whether all are finite numbers. names: the symbol whose names its texts are. limits: the least and
+    the largest value.
     """
 
     kind: str

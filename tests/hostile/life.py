@@ -99,7 +99,7 @@ def life(count: int, folder: Path) -> Iterator[tuple[int, dict[str, int]]]:
 def grows(marks: dict[int, dict[str, int]]) -> list[str]:
     """What there is more of at the end than when half of the solves were done.
 
-    Caches of compiled code are full by then: memory may grow by a twentieth in the second half, and nothing else at all.
+    Caches are full by then: memory may grow by a twentieth in the second half, and nothing else at all.
     """
     end = max(marks)
     half = max((k for k in marks if k <= end / 2), default=end)

@@ -39,6 +39,5 @@ def diagnose(
         return found, conflict(transcription, nlp, outcome)
     if outcome.status is Status.OVERDETERMINED:
         return found, Trouble(counted(transcription, nlp))
-    if running := runaway(transcription, outcome):
-        return found, Trouble(running)
-    return found, dependent(transcription, nlp, outcome)
+    running = runaway(transcription, outcome)
+    return found, Trouble(running) if running else dependent(transcription, nlp, outcome)
