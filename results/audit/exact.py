@@ -90,7 +90,7 @@ def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance
     jumps = np.maximum(np.abs(after[:, :-1] - before[:, 1:] - bounds) - left, 0.0) / scale
     apart[:, 1:] = np.maximum(apart[:, 1:], jumps)
     k = int(np.argmax(apart.max(axis=0)))
-    yield Check("costate equation, relative", float(apart[:, k].max()), SHARP, at(values["t"][k]))
+    yield Check("costate equation, relative", float(apart[:, k].max()), SHARP, at(trajectory, values["t"][k]))
     yield from stationarity(result, hamiltonian, values, 0 * slopes, claimed, tolerance)
 
 
