@@ -197,7 +197,17 @@ def _measured(
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
     record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
-        problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
+        problem,
+        outcome.status,
+        objective,
+        phases,
+        errors,
+        (record,),
+        outcome,
+        bar,
+        violations,
+        str(trouble),
+        trouble.involved,
     )
     return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 

@@ -173,7 +173,7 @@ def record_of(task: Task, solution: Solution, start: str, key: str) -> dict[str,
     key: its name.
     """
     first, last = solution.trajectories[0], solution.trajectories[-1]
-    why = causes(solution.trouble, solution.violations)[:1]
+    why = causes(solution.trouble, solution.violations, solution.involved)[:1]
     record = {
         "case": task.number,
         "key": key,
