@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from .chains.write import write_out as write_out_chain
 from .checks.phases import check_spec
 from .checks.repair import repair
 from .checks.values import NO_STATES
@@ -152,7 +153,9 @@ def _written_out(
         wrong += exact_mesh(data, asked, given)
     elif data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
-    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data))
+    of_chain, mistaken = write_out_chain(data)
+    wrong += mistaken
+    locations = Locations(file, document.lines, before | given, document.blocks, of_chain | write_out(data))
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
     _measured_objective(data)

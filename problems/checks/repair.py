@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
+from ..schema.model import is_chain
 from ..schema.spec import Spec
 from ..schema.tables import called_names
 from ..wishes.keys import meant
@@ -56,6 +57,9 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
             path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
+            if path[:1] == ("model",) and is_chain(data["model"]):
+                data["model"] = ""  # what it declares stands in the sections already
+                continue
             if len(path) <= 1 and (extra or not path or path[0] in _SECTIONS):
                 return None
             _replace(data, path, extra)
