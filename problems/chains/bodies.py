@@ -100,6 +100,13 @@ def bodies(entry: ModelEntry) -> list[Body]:
             turning, start = (q,) if q else (), Angle({}, zero)
         turned = q or (f"{names[number]}_turn" if link.turn else "")
         phi = Angle({**start.parts, **({turned: 1} if turned else {})}, start.turns)
-        joint = carrier.along(f"{names[number]}_at" if link.at else carrier.constant("length")) if carrier else {}
+        joint = _joint_on(carrier, link, names[number]) if carrier else {}
         found.append(Body(number, names[number], link, before, q, turning, phi, joint))
     return found
+
+
+def _joint_on(carrier: Body, link: ChainLink, name: str) -> Reach:
+    """Where a link hangs on another: at its joint, where it says so, or at its tip."""
+    if link.at is None:
+        return carrier.tip
+    return dict(carrier.joint) if link.at.text == "0" else carrier.along(f"{name}_at")

@@ -85,6 +85,10 @@ class Chain:
         """The name of b_a."""
         return f"chain_b_{a.number + 1}"
 
+    def number_of(self, name: str) -> int:
+        """The number of a link."""
+        return next(body.number for body in self.bodies if body.name == name)
+
     def coupled(self, a: Body, b: Body) -> bool:
         """Whether M_ab is not zero: one link is on the way to the other."""
         return a.number in b.centre or b.number in a.centre or any(b.number in k.centre for k, _ in self.reach(a))
@@ -150,7 +154,7 @@ class Chain:
 
     def pushed(self, force: ForceEntry, number: int) -> Reach:
         """The point that a force acts on."""
-        body = next(body for body in self.bodies if body.name == force.on)
+        body = self.bodies[self.number_of(force.on)]
         return body.along(f"force{number + 1}_at" if force.at else body.constant("length"))
 
     def of_base(self, axis: str) -> str:

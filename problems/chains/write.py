@@ -21,6 +21,7 @@ from ..yaml.locations import Finding
 from .bodies import control_of, names_of
 from .check import mistakes
 from .motion import ACROSS, CART_NAME, GRAVITY, TOTAL, UP, Chain, force_names
+from .step import Step
 
 _WORD = re.compile(r"\w+")
 _GIVEN = ("mass", "length", "com", "inertia", "at", "turn", "torque")
@@ -100,6 +101,8 @@ class _Writer:
         self.formulas()
         self.points()
         self.residuals()
+        if self.chain.entry.step:
+            self.step(Step(self.chain, self.chain.entry.step))
         if not self.data.get("drawing"):
             self.data["drawing"] = list(drawing(self.chain))
             self.short["drawing",] = ("model",)
@@ -208,6 +211,19 @@ class _Writer:
         own = [{"name": name, "expression": text} for name, text in self.chain.equations().items() if name not in known]
         self.short |= {("residuals", len(given) + i): ("model",) for i in range(len(own))}
         self.data["residuals"] = [*given, *own]
+
+
+    def step(self, step: Step) -> None:
+        for name, value in step.constants().items():
+            self.define(name, value, ("model", "step"))
+        boundary = self.section("constraints").setdefault("boundary", [])
+        if not isinstance(boundary, list):
+            return
+        known = {own.get("name") for own in boundary if isinstance(own, dict)}
+        for name, text in step.conditions().items():
+            if name not in known:
+                self.short["constraints", "boundary", len(boundary)] = ("model", "step")
+                boundary.append({"name": name, "expression": text, "equals": 0})
 
 
 def drawing(chain: Chain) -> Iterator[dict[str, Any]]:

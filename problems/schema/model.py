@@ -91,6 +91,15 @@ class ForceEntry(Entry):
     y: Formula = Field(parse("0"), description="upwards, N")
 
 
+class StepEntry(Entry):
+    """The step of a walker: at the final time a tip strikes the ground and stays, and the legs change roles."""
+
+    foot: Text = Field(description="name of the link whose tip strikes")
+    swap: Annotated[list[Annotated[list[Text], Field(min_length=2, max_length=2)]], Field(max_length=MAX_LINKS)] = Field(
+        description="pairs of links that change roles: [[stance_shank, swing_shank], ...]"
+    )
+
+
 class ModelEntry(Entry):
     """The dynamics: a chain of links in the plane, or a shipped model, for which its name alone may stand."""
 
@@ -109,6 +118,9 @@ class ModelEntry(Entry):
     links: Annotated[list[ChainLink], Field(max_length=MAX_LINKS)] = Field([], description="from the base outwards")
     forces: Annotated[list[ForceEntry], Field(max_length=MAX_FORCES)] = Field(
         [], description="from outside: [{on: link, x: Fx, y: Fy}]"
+    )
+    step: StepEntry | None = Field(
+        None, description="{foot, swap} of a walker: the state at the final time becomes the initial one of the next step"
     )
 
     @classmethod
