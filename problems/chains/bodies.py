@@ -6,8 +6,8 @@ r"""A chain as a tree of rigid links: which angle each points at, and how far it
     G_k = base + sum_a c_ka e(phi_a)                    its centre of mass
     phi_k = sum of the angles q_i for i in S_k + a constant
 
-S_k has one angle where angles are absolute, all on the way from the base where they are relative; a link that is fixed has
-those of the link before it. What depends on lengths and masses is written by name: `upper_length`, `upper_mass`.
+S_k has one angle where angles are absolute, all on the way from the base where they are relative; a link that is fixed
+has those of the link before it. What depends on lengths and masses is written by name: `upper_length`, `upper_mass`.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def bodies(entry: ModelEntry) -> list[Body]:
     """The links of a chain without mistakes, each after the one that it hangs on."""
     names, found = names_of(entry.links), list[Body]()
     for number, (link, q) in enumerate(zip(entry.links, angle_names(entry.links), strict=True)):
-        on = link.on or (names[number - 1] if number else BASE)
+        on = link.parent or (names[number - 1] if number else BASE)
         before = None if on == BASE else names.index(on)
         carrier = None if before is None else found[before]
         zero = TURNS[link.zero or entry.zero]

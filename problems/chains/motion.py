@@ -2,18 +2,20 @@ r"""The equations of motion of a chain, by Lagrange; M(q) ddq + C(q, dq) = B u, 
 
 With G_k = base + sum_a c_ka e(phi_a) (see `bodies`) and the constants
 
-    M_ab = sum_k m_k c_ka c_kb, plus the inertia I_a where a = b       b_a = sum_k m_k c_ka       m = sum_k m_k, and the cart
+    M_ab = sum_k m_k c_ka c_kb, plus the inertia I_a where a = b
+    b_a = sum_k m_k c_ka        m = sum_k m_k, and the mass of the cart
 
-the kinetic energy is sum_ab M_ab cos(phi_a - phi_b) w_a w_b / 2 + sum_a b_a w_a e'(phi_a) . v + m v^2/2, where w_a is the
-angular velocity of link a and v that of the base, and the potential one g (m y + sum_a b_a sin phi_a). So the balance of
-moments of link a, divided by no mass matrix, is
+the kinetic energy is sum_ab M_ab cos(phi_a - phi_b) w_a w_b / 2 + sum_a b_a w_a e'(phi_a) . v + m v^2/2, where w_a is
+the rate of phi_a and v the velocity of the base, and the potential energy is g (m y + sum_a b_a sin phi_a). So
+the balance of moments of link a is
 
     f_a = sum_b M_ab (cos(phi_a - phi_b) dw_b + sin(phi_a - phi_b) w_b^2) + b_a (cos phi_a (ddy + g) - sin phi_a ddx)
 
 and the equation of the angle q_i: the sum of f_a over the links that turn with q_i is the torque of its motors, and of
 forces from outside. The base moves as
 
-    m ddx + sum_a b_a (-sin phi_a dw_a - cos phi_a w_a^2) = F_x        m (ddy + g) + sum_a b_a (cos phi_a dw_a - sin phi_a w_a^2) = F_y
+    m ddx + sum_a b_a (-sin phi_a dw_a - cos phi_a w_a^2) = F_x
+    m (ddy + g) + sum_a b_a (cos phi_a dw_a - sin phi_a w_a^2) = F_y
 
 For the five-link biped of Kelly 2017 these are sums and differences of (F.4)-(F.8).
 """
@@ -64,18 +66,20 @@ class Chain:
         found = {}
         for a in self.bodies:
             for b in self.bodies[a.number :]:
-                shared = [times(k.constant("mass"), c, k.centre[b.number]) for k, c in self.reach(a) if b.number in k.centre]
+                shared = [
+                    times(k.constant("mass"), c, k.centre[b.number]) for k, c in self.reach(a) if b.number in k.centre
+                ]
                 if a is b:
                     shared.append(a.constant("inertia"))
                 if shared:
-                    found[self.M(a, b)] = summed(shared)
+                    found[self.mass(a, b)] = summed(shared)
             found[self.b(a)] = summed(times(k.constant("mass"), c) for k, c in self.reach(a))
         cart = [f"{CART_NAME}_mass"] if self.entry.base == CART else []
         found[TOTAL] = summed([*cart, *(body.constant("mass") for body in self.bodies)])
         return found
 
     @staticmethod
-    def M(a: Body, b: Body) -> str:
+    def mass(a: Body, b: Body) -> str:
         """The name of M_ab."""
         first, last = sorted((a.number + 1, b.number + 1))
         return f"chain_M_{first}_{last}"
@@ -104,7 +108,7 @@ class Chain:
             if not b.rates:
                 continue
             parts = [times(lag.cos, spin), times(lag.sin, f"{turn}**2")]
-            terms.append(times(self.M(a, b), grouped(parts)))
+            terms.append(times(self.mass(a, b), grouped(parts)))
         return summed([*terms, *(times(self.b(a), own) for own in self.held(a.phi))])
 
     def held(self, phi: Angle) -> Iterator[str]:
@@ -154,7 +158,7 @@ class Chain:
 
     def pushed(self, force: ForceEntry, number: int) -> Reach:
         """The point that a force acts on."""
-        body = self.bodies[self.number_of(force.on)]
+        body = self.bodies[self.number_of(force.link)]
         return body.along(f"force{number + 1}_at" if force.at else body.constant("length"))
 
     def of_base(self, axis: str) -> str:
@@ -180,7 +184,10 @@ class Chain:
     def position(self, point: Reach, axis: str) -> str:
         """A coordinate of a point, m."""
         directions = {a: self.bodies[a].phi for a in point}
-        own = [times(c, phi.cos if axis == ACROSS else phi.sin) for (a, c), phi in zip(point.items(), directions.values(), strict=True)]
+        own = [
+            times(c, phi.cos if axis == ACROSS else phi.sin)
+            for (a, c), phi in zip(point.items(), directions.values(), strict=True)
+        ]
         return summed([*([axis] if axis in self.base else []), *own])
 
     def velocity(self, point: Reach, axis: str) -> str:
@@ -206,4 +213,5 @@ def moment_of(a: Body) -> str:
 
 def force_names(force: ForceEntry, number: int) -> tuple[str, str]:
     """The names of the parts of a force along x and y, "0" for one that is not there; number: from 0."""
-    return tuple(f"force{number + 1}_{axis}" if getattr(force, axis).text != "0" else "0" for axis in (ACROSS, UP))
+    along, up = (f"force{number + 1}_{axis}" if getattr(force, axis).text != "0" else "0" for axis in (ACROSS, UP))
+    return along, up

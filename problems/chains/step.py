@@ -1,8 +1,8 @@
 r"""The step of a walker: its foot strikes, stays, and becomes the base, while the legs change roles.
 
-Link j of the next step is link s(j) of this one; a leg is now passed the other way, so its links point backwards. Angles go on,
-and the impulse at the foot changes no momentum that the next step has: for each angle phi_j of the next step, with c' and M
-of the next step and c, w of this one,
+Link j of the next step is link s(j) of this one; a leg is now passed the other way: its links point backwards. Angles
+go on, and the impulse at the foot changes no momentum that the next step has: for each angle phi_j of the next step,
+with c' and M of the next step and c, w of this one,
 
     sum_b M_jb cos(phi_j - phi_b) w_b [initial]  =  sum_b N_jb cos(phi'_j - phi_b) w_b [final]
 
@@ -68,7 +68,7 @@ class Step:
                 if b.number == self.before[j.number]:
                     shared.append(times("-1" if b.number in self.way else "1", j.constant("inertia")))
                 if shared:
-                    found[N(j, b)] = summed(shared)
+                    found[carried(j, b)] = summed(shared)
         return found
 
     def conditions(self) -> dict[str, str]:
@@ -79,22 +79,29 @@ class Step:
             (old,) = self.turned(j).parts
             found[f"step {j.q}"] = summed([f"{j.q}{INITIAL}", f"-{old}{FINAL}", f"-{lag}*pi/2" if lag else ""])
         for j in bodies:
-            new = [(self.chain.M(j, b), at_end(j.phi.minus(b.phi), INITIAL), b) for b in bodies if self.chain.coupled(j, b)]
-            old = [(N(j, b), at_end(self.turned(j).minus(b.phi), FINAL), b) for b in bodies if N(j, b) in known]
-            after = [times(name, lag.cos, f"d{b.q}{INITIAL}") for name, lag, b in new]
-            gone = [times("-1", name, lag.cos, f"d{b.q}{FINAL}") for name, lag, b in old]
-            found[f"strike {j.q}"] = summed([*after, *gone])
+            after, before = (at_end(angle, end) for angle, end in ((j.phi, INITIAL), (self.turned(j), FINAL)))
+            terms = [
+                times(self.chain.mass(j, b), after.minus(at_end(b.phi, INITIAL)).cos, f"d{b.q}{INITIAL}")
+                for b in bodies
+                if self.chain.coupled(j, b)
+            ]
+            terms += [
+                times("-1", carried(j, b), before.minus(at_end(b.phi, FINAL)).cos, f"d{b.q}{FINAL}")
+                for b in bodies
+                if carried(j, b) in known
+            ]
+            found[f"strike {j.q}"] = summed(terms)
         return found
 
     def misplaced(self, numbers: Mapping[str, float]) -> tuple[str, str] | None:
-        """A link of the next step that is not where, or not what, the link of this one was, and that one; None if all are.
+        """A link of the next step that is not where or what the link of this one was, and that one; None if all are.
 
         numbers: by name, of all masses and lengths.
         """
         bodies, rng = self.chain.bodies, np.random.default_rng(0)
 
         def place(point: Reach, angles: np.ndarray) -> complex:
-            return sum(numbers[c] * np.exp(1j * angles[a]) for a, c in point.items())
+            return complex(sum(numbers[c] * np.exp(1j * angles[a]) for a, c in point.items()))
 
         for _ in range(SAMPLES):
             old = rng.uniform(-np.pi, np.pi, len(bodies))
@@ -103,14 +110,15 @@ class Step:
             for j in bodies:
                 was = bodies[self.before[j.number]]
                 same = all(
-                    np.isclose(numbers[j.constant(key)], numbers[was.constant(key)], rtol=CLOSE) for key in ("mass", "inertia")
+                    np.isclose(numbers[j.constant(key)], numbers[was.constant(key)], rtol=CLOSE)
+                    for key in ("mass", "inertia")
                 )
                 if not same or abs(place(j.centre, new) + foot - place(was.centre, old)) > CLOSE * abs(foot):
                     return j.name, was.name
         return None
 
 
-def N(j: Body, b: Body) -> str:
+def carried(j: Body, b: Body) -> str:
     """The name of N_jb."""
     return f"chain_N_{j.number + 1}_{b.number + 1}"
 

@@ -11,25 +11,28 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..expressions.expression import Expression
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
-from ..schema.model import CART, FLOATING, ModelEntry, is_chain
+from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import control_of, names_of
+from .bodies import control_of
 from .check import mistakes
 from .motion import ACROSS, CART_NAME, GRAVITY, TOTAL, UP, Chain, force_names
 from .step import Step
 
 _WORD = re.compile(r"\w+")
-_GIVEN = ("mass", "length", "com", "inertia", "at", "turn", "torque")
-"""Keys of a link that become named expressions, with the notes below."""
-
-_NOTES = {"mass": "mass of {}", "length": "length of {}", "com": "centre of mass of {}, from its joint",
-          "inertia": "inertia of {} about its centre of mass", "at": "where {} hangs", "turn": "angle of {} from what it is fixed to",
-          "torque": "torque on {} beside its motor's"}  # fmt: skip
+_GIVEN = {
+    "mass": "mass of {}",
+    "length": "length of {}",
+    "com": "centre of mass of {}, from its joint",
+    "inertia": "inertia of {} about its centre of mass",
+    "at": "where {} hangs",
+    "turn": "turn of {} where it is fixed",
+    "torque": "torque on {} beside its motor's",
+}
+"""Keys of a link that become named expressions -> their notes."""
 
 
 def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
@@ -37,12 +40,12 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
 
     data: of the file, overrides applied; it is changed.
 
-    Returns the path of each value that was made -> what it was made of in the file, and the mistakes that the schema cannot
-    see. Where there are any, and where the schema refuses the chain, names alone are written out.
+    Returns the path of each value that was made -> what it was made of in the file, and the mistakes that the schema
+    cannot see. Where there are any, and where the schema refuses the chain, names alone are written out.
     """
-    model = data.get("model")
-    if not is_chain(model):
+    if not is_chain(data.get("model")):
         return {}, []
+    model: dict[str, Any] = data["model"]
     try:
         entry = ModelEntry.model_validate(model, context={CALLED: called_names(data)})
     except ValidationError:
@@ -51,7 +54,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     if found := mistakes(entry, data):
         declare(data, model)
         return {}, found
-    return _Writer(data, Chain(entry)).write(), []
+    return _Writer(data, Chain(entry)).write()
 
 
 def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
@@ -68,7 +71,7 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     carts = [model["cart"]] if isinstance(model.get("cart"), dict) else []
     for number, own in [*((0, own) for own in carts), *enumerate(links, start=1)]:
         motor = own.get("motor")
-        if isinstance(motor, str | bool) and (name := control_of(motor, number)) not in states:
+        if isinstance(motor, str | bool) and (name := control_of(motor, number)) and name not in states:
             _mapping(data, "controls").setdefault(name, {})
     names = "|".join(["com", *(re.escape(str(own.get("name") or f"link{i}")) for i, own in enumerate(links, start=1))])
     for word in filter(re.compile(rf"({names})_[va]?[xy]").fullmatch, words_of(data)):
@@ -88,16 +91,19 @@ def words_of(data: Mapping[str, Any]) -> set[str]:
 
 
 class _Writer:
-    """Puts a chain into the data of a file; `short` is what `write_out` returns."""
+    """Puts a chain into the data of a file; `short` and `found` are what `write_out` returns."""
 
     def __init__(self, data: dict[str, Any], chain: Chain):
         self.data, self.chain = data, chain
         self.short: dict[Path, Path] = {}
+        self.found: list[Finding] = []
         self.words = words_of(data)
 
-    def write(self) -> dict[Path, Path]:
-        self.variables()
+    def write(self) -> tuple[dict[Path, Path], list[Finding]]:
+        self.coordinates()
+        self.controls()
         self.numbers()
+        self.around()
         self.formulas()
         self.points()
         self.residuals()
@@ -106,7 +112,7 @@ class _Writer:
         if not self.data.get("drawing"):
             self.data["drawing"] = list(drawing(self.chain))
             self.short["drawing",] = ("model",)
-        return self.short
+        return self.short, self.found
 
     def section(self, name: str) -> dict[str, Any]:
         """A section of the file; where it is made here, it stands for the chain."""
@@ -114,45 +120,55 @@ class _Writer:
             self.short[name,] = ("model",)
         return _mapping(self.data, name)
 
-    def define(self, name: str, value: Any, origin: Path, note: str = "") -> None:
-        """A named expression; one that a full file has already is left."""
-        self.section("expressions").setdefault(name, {"value": value, "note": note or "of the chain"})
+    def define(self, name: str, value: Any, origin: Path, note: str = "of the chain") -> None:
+        """A named expression; in a full file it is there already."""
+        expressions = self.section("expressions")
+        given = expressions.get(name, value)
+        given = given.get("value") if isinstance(given, dict) else given
+        if str(getattr(given, "text", given)) != str(getattr(value, "text", value)):
+            self.found.append(Finding(("expressions", name), f"{name} is a name of the chain", "choose another name"))
+            return
+        expressions.setdefault(name, {"value": value, "note": note})
         self.short["expressions", name] = origin
 
-    def variables(self) -> None:
+    def coordinates(self) -> None:
+        """The states, with what the file says of them at the top level and in phases."""
         links = {body.q: body for body in self.chain.bodies if body.q}
+        phases = self.data.get("phases")
         for q in self.chain.coordinates:
-            body = links.get(q)
-            origin: Path = ("model", "links", body.number) if body else ("model",)
-            unit = "rad" if body else "m"
-            note = f"angle of {body.name}, counter-clockwise" if body else f"{q} of the {CART_NAME if self.chain.entry.cart else 'base'}"
-            self.state(self.section("states"), ("states",), q, origin, {"unit": unit, "note": note})
-            phases = self.data.get("phases")
+            path: Path = ("model",)
+            meant = {"unit": "m", "note": f"place of the {CART_NAME if self.chain.entry.cart else BASE} along {q}"}
+            if body := links.get(q):
+                path = ("model", "links", body.number)
+                meant = {"unit": "rad", "note": f"angle of {body.name}, counter-clockwise"}
+            self.state(self.section("states"), ("states",), q, path, meant)
             for name, phase in phases.items() if isinstance(phases, dict) else ():
                 own = phase.get("states") if isinstance(phase, dict) else None
                 if isinstance(own, dict) and own.keys() & {q, f"d{q}"}:
-                    self.state(own, ("phases", name, "states"), q, origin, {})
-        for name, unit, what in self.motors():
-            known = any(name in (self.data.get(group) or {}) for group in ("states", "algebraic", "expressions", "parameters"))
-            if not known:
-                controls = self.section("controls")
-                own = controls.get(name) or {}
-                controls[name] = {"unit": unit, "note": what, **own} if isinstance(own, dict) else own
+                    self.state(own, ("phases", name, "states"), q, path, {})
 
     def state(self, states: dict[str, Any], path: Path, q: str, origin: Path, meant: Mapping[str, str]) -> None:
         """A coordinate with its velocity dq, for which the file may have an entry of its own."""
-        speed = f"d{q}"
-        given = q in states
-        own = states.get(q) or {}
+        speed, own = f"d{q}", states.get(q) or {}
         if not isinstance(own, dict):
             return
         velocity = own.get("velocity") or {"name": speed}
         if speed in states:
-            velocity = {**velocity, **(states.pop(speed) or {})}
+            given = states.pop(speed) or {}
+            velocity = {"name": speed, **given} if isinstance(given, dict) else given
             self.short[*path, q, "velocity"] = (*path, speed)
-        states[q] = {**meant, **own, "velocity": velocity}
-        if not given:
+        if q not in states:
             self.short[*path, q] = origin
+        states[q] = {**meant, **own, "velocity": velocity}
+
+    def controls(self) -> None:
+        """A control for each motor whose name is of nothing else."""
+        others = [self.data.get(group) for group in ("states", "algebraic", "expressions", "parameters")]
+        for name, unit, note in self.motors():
+            if not any(isinstance(own, dict) and name in own for own in others):
+                controls = self.section("controls")
+                given = controls.get(name) or {}
+                controls[name] = {"unit": unit, "note": note, **given} if isinstance(given, dict) else given
 
     def motors(self) -> Iterator[tuple[str, str, str]]:
         """Name, unit and note of the control of each motor."""
@@ -166,25 +182,30 @@ class _Writer:
     def numbers(self) -> None:
         """What the file gives of each link, and what a uniform rod has."""
         for i, body in enumerate(self.chain.bodies):
-            for key in _GIVEN:
+            path: Path = ("model", "links", i)
+            for key, told in _GIVEN.items():
+                note = told.format(body.name)
                 if (own := getattr(body.link, key)) is not None:
-                    self.define(body.constant(key), own, ("model", "links", i, key), _NOTES[key].format(body.name))
-            if body.link.com is None:
-                m, l = body.constant("mass"), body.constant("length")
-                for key, value in (("com", f"{l}/2"), ("inertia", f"{m}*{l}**2/12")):
-                    self.define(body.constant(key), value, ("model", "links", i), _NOTES[key].format(body.name))
+                    self.define(body.constant(key), own, (*path, key), note)
+                elif key in ("com", "inertia"):
+                    mass, length = body.constant("mass"), body.constant("length")
+                    rod = {"com": f"{length}/2", "inertia": f"{mass}*{length}**2/12"}
+                    self.define(body.constant(key), rod[key], path, note)
+
+    def around(self) -> None:
+        """What the file gives of gravity, of the cart and of forces."""
         entry = self.chain.entry
         if entry.gravity.text != "0":
             self.define(GRAVITY, entry.gravity, ("model", "gravity"), "acceleration of gravity")
-        for key in ("mass", "force") if entry.base == CART else ():
+        for key in ("mass", "force") if entry.cart else ():
             if (own := getattr(entry.cart, key)) is not None:
                 self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), f"{key} of the cart")
         for number, force in enumerate(entry.forces):
             for axis, name in zip((ACROSS, UP), force_names(force, number), strict=True):
                 if name != "0":
-                    self.define(name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.on}")
+                    self.define(name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}")
             if force.at is not None:
-                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"))
+                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts")
 
     def formulas(self) -> None:
         """Constants of the mass matrix, and the moments that several equations share."""
@@ -192,7 +213,7 @@ class _Writer:
             self.define(name, value, ("model",))
 
     def points(self) -> None:
-        """x and y of all tips; what else may be asked of a point, and of the centre of mass, where the file names it."""
+        """x and y of all tips; their rates, and the same of the centre of mass, where the file names them."""
         chain = self.chain
         centre = {a.number: f"{chain.b(a)}/{TOTAL}" for a in chain.bodies}
         places = [(body.name, body.tip, f"the tip of {body.name}") for body in chain.bodies]
@@ -212,7 +233,6 @@ class _Writer:
         self.short |= {("residuals", len(given) + i): ("model",) for i in range(len(own))}
         self.data["residuals"] = [*given, *own]
 
-
     def step(self, step: Step) -> None:
         for name, value in step.constants().items():
             self.define(name, value, ("model", "step"))
@@ -227,16 +247,15 @@ class _Writer:
 
 
 def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
-    """The links as lines between their joints and tips, a cart as a box, and the path of the last tip."""
-    size = f"0.04*({' + '.join(body.constant('length') for body in chain.bodies)})"
-    base = chain.base
+    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip."""
+    first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
     if chain.entry.base == CART:
-        yield {"ground": f"-{size}"}
-        yield {"box": [ACROSS, 0], "width": f"4*{size}", "height": f"2*{size}", "name": CART_NAME}
+        yield {"ground": f"-{first}/20"}
+        yield {"box": [ACROSS, 0], "width": f"0.3*{first}", "height": f"{first}/10", "name": CART_NAME}
+    if chain.entry.step:
+        yield {"ground": 0}
     for body in chain.bodies:
         ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.joint, body.tip)]
         yield {"line": ends, "name": body.name}
-    last = chain.bodies[-1]
-    if not base:
-        yield {"point": [0, 0], "name": "base"}
-    yield {"circle": [f"{last.name}_{ACROSS}", f"{last.name}_{UP}"], "radius": f"{size}/2", "trail": True}
+    tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
+    yield {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}

@@ -20,7 +20,7 @@ from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
-_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "model"}
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize"}
 _FORMULAS = {
     "rate",
     "next",
@@ -60,7 +60,7 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
             if path[:1] == ("model",) and is_chain(data["model"]):
                 data["model"] = ""  # what it declares stands in the sections already
                 continue
-            if len(path) <= 1 and (extra or not path or path[0] in _SECTIONS):
+            if path[:1] == ("model",) or (len(path) <= 1 and (extra or not path or path[0] in _SECTIONS)):
                 return None
             _replace(data, path, extra)
         try:

@@ -128,7 +128,9 @@ class _Checker:
                 self.name(state.path, state.name, first)
         for name in self.symbols.equations.outputs if self.symbols.equations else ():
             if name in first:
-                self.error((first[name], name), f"{name} is an output of the model {spec.shipped}", "choose another name")
+                self.error(
+                    (first[name], name), f"{name} is an output of the model {spec.shipped}", "choose another name"
+                )
 
     def function(self, key: str, first: dict[str, str]) -> None:
         """A name with arguments."""

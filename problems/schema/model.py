@@ -23,7 +23,7 @@ CHAIN = "chain"
 KINDS = (CHAIN, *MODELS)
 FIXED, CART, FLOATING = "fixed", "cart", "floating"
 BASE = "base"
-"""The name of what the first link hangs on, for `on:`."""
+"""The name of what the first link hangs on, for `parent:`."""
 
 ABSOLUTE, RELATIVE = "absolute", "relative"
 REVOLUTE = "revolute"
@@ -53,7 +53,7 @@ class Driven(Entry):
 class CartEntry(Driven):
     """A cart that moves along x, which the first links hang on."""
 
-    mass: Formula = Field(description="of the cart, kg")
+    mass: Formula = Field(description="a number or an expression of parameters, kg")
     force: Formula | None = Field(None, description="a force on the cart along x beside the motor's: friction, springs")
 
 
@@ -61,11 +61,13 @@ class ChainLink(Driven):
     """A rigid link. It turns about a joint on the link before it, or is fixed there."""
 
     name: Text = Field("", description="its name; default link1, link2, ... in order")
-    on: Text = Field("", description="name of the link that it hangs on, or base; default the link before it")
+    parent: Text = Field("", description="name of the link that it hangs on, or base; default the link before it")
     at: Formula | None = Field(None, description="where on that link, as a distance from its joint; default its length")
     joint: Literal["revolute", "fixed"] = Field("revolute", description="revolute (default), or fixed, as if welded")
-    mass: Formula = Field(description="kg")
-    length: Formula = Field(description="from its joint to its tip, where the next link hangs, m")
+    mass: Formula = Field(description="a number or an expression of parameters, kg")
+    length: Formula = Field(
+        description="a number or an expression of parameters, m: from its joint to its tip, where the next link hangs"
+    )
     com: Formula | None = Field(
         None, description="from its joint to its centre of mass; with inertia:; default a uniform rod"
     )
@@ -85,7 +87,7 @@ class ChainLink(Driven):
 class ForceEntry(Entry):
     """A force from outside on a point of a link, such as a contact, a thruster or the wind."""
 
-    on: Text = Field(description="name of the link")
+    link: Text = Field(description="name of the link")
     at: Formula | None = Field(None, description="where, as a distance from the joint; default its length")
     x: Formula = Field(parse("0"), description="to the right, N: an expression of t, states, controls, parameters")
     y: Formula = Field(parse("0"), description="upwards, N")
@@ -95,8 +97,8 @@ class StepEntry(Entry):
     """The step of a walker: at the final time a tip strikes the ground and stays, and the legs change roles."""
 
     foot: Text = Field(description="name of the link whose tip strikes")
-    swap: Annotated[list[Annotated[list[Text], Field(min_length=2, max_length=2)]], Field(max_length=MAX_LINKS)] = Field(
-        description="pairs of links that change roles: [[stance_shank, swing_shank], ...]"
+    swap: Annotated[list[Annotated[list[Text], Field(min_length=2, max_length=2)]], Field(max_length=MAX_LINKS)] = (
+        Field(description="pairs of links that change roles: [[stance_shank, swing_shank], ...]")
     )
 
 
@@ -117,25 +119,31 @@ class ModelEntry(Entry):
     cart: CartEntry | None = Field(None, description="{mass, motor, force}, with base: cart")
     links: Annotated[list[ChainLink], Field(max_length=MAX_LINKS)] = Field([], description="from the base outwards")
     forces: Annotated[list[ForceEntry], Field(max_length=MAX_FORCES)] = Field(
-        [], description="from outside: [{on: link, x: Fx, y: Fy}]"
+        [], description="from outside: [{link: NAME, x: Fx, y: Fy}]"
     )
     step: StepEntry | None = Field(
-        None, description="{foot, swap} of a walker: the state at the final time becomes the initial one of the next step"
+        None,
+        description="{foot, swap} of a walker: the state at the final time becomes the initial one of the next step",
     )
 
     @classmethod
     def _unfold(cls, data: Any) -> Any:
         return {"kind": data} if isinstance(data, str) else data
 
+    @field_validator("kind")
+    @classmethod
+    def _known_kind(cls, value: str) -> str:
+        if value and value not in KINDS:
+            remedy = did_you_mean(value, KINDS, f"the models are {', '.join(KINDS)}")
+            raise mistake(f'there is no model "{brief(value)}"', remedy)
+        return value
+
     @model_validator(mode="after")
-    def _known_kind(self) -> Self:
+    def _what_a_kind_has(self) -> Self:
         if self.kind == CHAIN and not self.links:
             raise mistake("a chain needs links", "add links: [{mass: 1, length: 0.5, motor: true}]")
         if self.kind in KINDS[1:] and self.model_fields_set != {"kind"}:
             raise mistake(f"{self.kind} takes no keys here", f"write model: {self.kind}, or kind: {CHAIN}")
-        if self.kind and self.kind not in KINDS:
-            remedy = did_you_mean(self.kind, KINDS, f"the models are {', '.join(KINDS)}")
-            raise mistake(f'there is no model "{brief(self.kind)}"', remedy)
         return self
 
     @model_serializer(mode="wrap")

@@ -238,7 +238,9 @@ class Spec(Entry):
         places = {shown: place for place, shown in self._locations.overrides.items()}  # the innermost comes last
         kept = {shown: place for shown, place in places.items() if place[0] not in NO_OTHER_PROBLEM}
         data = self.model_dump(mode="json") if kept else {}
-        return {shown: _at(data, place) for shown, place in kept.items()}
+        found = {shown: _at(data, place) for shown, place in kept.items()}
+        made = {shown: self._locations.written_out(place) for shown, place in kept.items() if found[shown] is None}
+        return found | {shown: _at(data, place) for shown, place in made.items()}
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""

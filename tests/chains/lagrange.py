@@ -57,7 +57,9 @@ class Robot:
             origin = base
             if link.on >= 0:
                 along = self.links[link.on].l if link.at is None else link.at
-                origin = tuple(p + along * e for p, e in zip(joints[link.on], (sp.cos(before), sp.sin(before)), strict=True))
+                origin = tuple(
+                    p + along * e for p, e in zip(joints[link.on], (sp.cos(before), sp.sin(before)), strict=True)
+                )
             joints.append(origin)
             angles.append(angle)
             x, y = (p + link.d * e for p, e in zip(origin, (sp.cos(angle), sp.sin(angle)), strict=True))
@@ -65,7 +67,10 @@ class Robot:
             energy += link.m * (speed(x) ** 2 + speed(y) ** 2) / 2 + link.I * speed(angle) ** 2 / 2
             potential += link.m * self.g * y
         for number, distance, fx, fy in self.forces:
-            x, y = (p + distance * e for p, e in zip(joints[number], (sp.cos(angles[number]), sp.sin(angles[number])), strict=True))
+            x, y = (
+                p + distance * e
+                for p, e in zip(joints[number], (sp.cos(angles[number]), sp.sin(angles[number])), strict=True)
+            )
             work += fx * x + fy * y
         self.tips, self.z, self.v = tips, z, v
         momenta = [sp.diff(energy, rate) for rate in v]
