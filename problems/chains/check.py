@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,7 +16,6 @@ from .bodies import angle_names, names_of
 from .motion import CART_NAME, TOTAL, Chain
 from .step import Step
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TAKEN = (BASE, CART_NAME, "com", CHAIN)
 """Names that no link may have: those of outputs and constants begin with them."""
 
@@ -54,11 +52,7 @@ def _base(entry: ModelEntry) -> Iterator[Finding]:
 def _names(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:
     for number, name in enumerate(names):
         path: Path = ("model", "links", number, "name")
-        if not _NAME.fullmatch(name):
-            yield Finding(
-                path, f'"{brief(name)}" cannot be the name of a link', "use a letter, then letters, digits and _"
-            )
-        elif name in _TAKEN:
+        if name in _TAKEN:
             yield Finding(
                 path, f"the name {name} has a meaning of its own in a chain", f"choose another, such as {name}1"
             )

@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ..expressions.signature import name_trouble
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
 from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
@@ -62,6 +63,7 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     links = model.get("links")
     links = [own if isinstance(own, dict) else {} for own in (links if isinstance(links, list) else [])]
     angles = [str(own.get("angle") or f"q{i}") for i, own in enumerate(links, start=1)]
+    angles = [q for q in angles if not name_trouble(q)]
     coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *angles]
     states = _mapping(data, "states")
     for name in (*coordinates, *(f"d{q}" for q in coordinates), *states):
@@ -71,7 +73,8 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     carts = [model["cart"]] if isinstance(model.get("cart"), dict) else []
     for number, own in [*((0, own) for own in carts), *enumerate(links, start=1)]:
         motor = own.get("motor")
-        if isinstance(motor, str | bool) and (name := control_of(motor, number)) and name not in states:
+        name = control_of(motor, number) if isinstance(motor, str | bool) else ""
+        if name not in states and not name_trouble(name):
             _mapping(data, "controls").setdefault(name, {})
     names = "|".join(["com", *(re.escape(str(own.get("name") or f"link{i}")) for i, own in enumerate(links, start=1))])
     for word in filter(re.compile(rf"({names})_[va]?[xy]").fullmatch, words_of(data)):

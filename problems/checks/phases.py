@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
+from ..expressions.signature import name_trouble
 from ..expressions.tree import Operation, leaves, nodes
 from ..language.functions import called_functions
 from ..language.plain import shared_in_plain
@@ -24,7 +25,7 @@ from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .guesses import computed_guess, misnamed, uneven, unordered
-from .names import check_names, name_trouble
+from .names import check_names
 from .values import NO_STATES, check_phase
 
 OF_INTEGRALS = ("integral",)

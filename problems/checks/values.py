@@ -6,7 +6,7 @@ from math import inf, isfinite
 
 from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
-from ..expressions.signature import signature
+from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..language.functions import called_functions
@@ -32,7 +32,7 @@ from .ends import delay_mistakes, idle_histories, impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
-from .names import name_trouble, title_troubles
+from .names import title_troubles
 from .odd import odd, unused
 from .tables import beyond_tables
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     Field,
     GetJsonSchemaHandler,
     SerializerFunctionWrapHandler,
@@ -14,6 +15,7 @@ from pydantic import (
 )
 
 from ..expressions.expression import parse
+from ..expressions.signature import name_trouble
 from ..models import MODELS
 from ..text import brief, did_you_mean
 from ..yaml.document import in_words
@@ -36,6 +38,16 @@ def is_chain(model: Any) -> bool:
     return isinstance(model, dict) and model.get("kind") == CHAIN
 
 
+def _word(value: str) -> str:
+    if value and (trouble := name_trouble(value)):
+        raise mistake(*trouble)
+    return value
+
+
+Word = Annotated[Text, AfterValidator(_word)]
+"""A name that expressions can hold, or ""."""
+
+
 class Driven(Entry):
     """What a motor may act on."""
 
@@ -47,7 +59,7 @@ class Driven(Entry):
         if not isinstance(value, bool | str):
             what = f"this must be true or the name of a control, not {in_words(value)}"
             raise mistake(what, "write motor: true, or motor: u")
-        return value
+        return _word(value) if isinstance(value, str) else value
 
 
 class CartEntry(Driven):
@@ -60,7 +72,7 @@ class CartEntry(Driven):
 class ChainLink(Driven):
     """A rigid link. It turns about a joint on the link before it, or is fixed there."""
 
-    name: Text = Field("", description="its name; default link1, link2, ... in order")
+    name: Word = Field("", description="its name; default link1, link2, ... in order")
     parent: Text = Field("", description="name of the link that it hangs on, or base; default the link before it")
     at: Formula | None = Field(None, description="where on that link, as a distance from its joint; default its length")
     joint: Literal["revolute", "fixed"] = Field("revolute", description="revolute (default), or fixed, as if welded")
@@ -74,7 +86,7 @@ class ChainLink(Driven):
     inertia: Formula | None = Field(
         None, description="about its centre of mass, kg m^2; 0 for a point mass; default a uniform rod"
     )
-    angle: Text = Field("", description="name of the state that is its angle; default q1, q2, ...; its rate is dq1")
+    angle: Word = Field("", description="name of the state that is its angle; default q1, q2, ...; its rate is dq1")
     zero: Literal["up", "down", "right", "left"] | None = Field(
         None, description="where it points with an angle of zero; default that of the chain"
     )
