@@ -13,7 +13,6 @@ from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
 from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
@@ -24,6 +23,8 @@ from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution
 from .structure.convexity import kind_of_program
+from .structure.courses import courses
+from .structure.estimates import estimates
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
@@ -247,7 +248,8 @@ class _Loop:
             continuous = not all(phase.exact for phase in solution.problem.phases)
             kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
             own = prices(solved.transcription, solved.nlp, solved.outcome)
-            solution = replace(solution, prices=own, program=kind)
+            arcs = courses(solved.transcription, solved.nlp, solved.outcome, solution.trajectories)
+            solution = replace(solution, prices=own, program=kind, arcs=arcs)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
 
