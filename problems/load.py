@@ -219,12 +219,12 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
     time = data.get("time")
     if not isinstance(time, dict):
         return []
-    given = list(time)
+    given = dict(time)
     for end in ("initial", "final"):
         if time.get(end) is not None:
             continue
         time[end] = UNKNOWN
-        if not _meant(end, {key: None for key in given}, Time.model_fields, ("time",)):
+        if not _meant(end, given, Time.model_fields, ("time",)):
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
@@ -241,8 +241,9 @@ def _empty(data: Any, path: Place = ()) -> Iterator[Finding]:
 
 
 def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
-    """Whether a key that is none is a misspelt one that is missing."""
-    return any(meant((*path, other), known) == key for other in given if other not in known)
+    """Whether a key that is none, with a value, is a misspelt one that is missing."""
+    others = (other for other, value in given.items() if other not in known and value is not None)
+    return any(meant((*path, other), known) == key for other in others)
 
 
 def _measured_objective(data: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..language.loops import Mistaken
 from ..names.symbols import UNKNOWN
-from ..yaml.document import Path
+from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
 from .algebra import Scalar, Shape, Value, as_vector, each, in_words, shape_of
 from .reader import evaluate
@@ -76,9 +76,13 @@ class Filler:
         self.origin: dict[Path, Path] = {}
         self.findings: list[Finding] = []
         self.known: dict[tuple[int, str], Value | None] = {}
+        self.made = 0
 
     def value(self, value: Any, one: Component) -> Any:
-        """One component of a value, of a list, or of all values in a mapping."""
+        """One component of a value, of a list, or of all values in a mapping. Raises Mistaken if there are too many."""
+        self.made += 1
+        if self.made > MAX_NODES:
+            raise Mistaken(f"the vectors of the file make more than {MAX_NODES} values", "make them smaller")
         if one.to != one.path:
             self.origin[one.to] = one.path
         if isinstance(value, dict):

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
+from warnings import catch_warnings, simplefilter
 
 from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
 from ..expressions.tokens import ExpressionError
@@ -20,7 +21,7 @@ from ..text import shorten, tidy
 from . import algebra
 from .algebra import ATOM, FUNCTIONS, POWER, PRODUCT, SUM, Scalar, Unfit, Value, each, elementwise, mapped, shape_of
 
-MAX_CALLS = 1000  # of functions of the file in one text, and in their bodies
+MAX_CALLS = 200  # of functions of the file in one text, and in their bodies
 
 OWN = frozenset(FUNCTIONS) - {"norm", "sum"}
 """Functions that no text without vectors has."""
@@ -316,7 +317,9 @@ def _parsed(text: str) -> ast.expr | None:
     if len(text) > MAX_LENGTH or not text.isascii():
         return None
     try:
-        return ast.parse(text, mode="eval").body
+        with catch_warnings():
+            simplefilter("ignore")  # of a number that goes on in letters, which is told later
+            return ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 

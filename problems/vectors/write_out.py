@@ -14,7 +14,7 @@ from itertools import chain, product
 from typing import Any, NamedTuple
 
 from ..expressions.signature import signature
-from ..language.loops import whole_numbers
+from ..language.loops import Mistaken, whole_numbers
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -91,7 +91,10 @@ def written_out(data: Mapping[str, Any]) -> WrittenOut:
     """The data of a file with its vectors written out; templates are so already."""
     names = Names(data, whole_numbers(data.get("parameters")), None, ())
     filler = Filler()
-    new = _Writer(names, (), filler).written(data)
+    try:
+        new = _Writer(names, (), filler).written(data)
+    except Mistaken as mistake:
+        return WrittenOut({**data}, {}, [Finding((), mistake.what, mistake.remedy)], frozenset())
     everywhere = [names, *names.phases.values()]
     findings = [*(finding for own in everywhere for finding in own.findings), *filler.findings]
     return WrittenOut(new, filler.origin, findings, frozenset().union(*(own.counted for own in everywhere)))

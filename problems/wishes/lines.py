@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from ..expressions.expression import Expression
 from ..text import shorten, tidy
 
 LONGEST = 60  # letters of a value in a message
@@ -19,9 +20,18 @@ _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
 
 
+class _Dumper(yaml.SafeDumper):
+    """Also writes what stands for a mistaken value."""
+
+
+_Dumper.add_representer(Expression, lambda dumper, value: dumper.represent_str(value.text))
+
+
 def flow(value: Any) -> str:
     """A value as YAML on one line, with quotes where it needs them."""
-    listed = yaml.safe_dump([value], default_flow_style=True, width=float("inf"), sort_keys=False, allow_unicode=True)
+    listed = yaml.dump(
+        [value], Dumper=_Dumper, default_flow_style=True, width=float("inf"), sort_keys=False, allow_unicode=True
+    )
     quoted = re.sub(r"'([^'\"\\]*)'", r'"\1"', tidy(listed.strip()[1:-1]))
     return re.sub(r"\b(\d+)(?:\.0)?(\.\d+)?e([-+])0?(\d+)\b", r"\1\2e\3\4", quoted).replace("e+", "e")
 
