@@ -41,6 +41,7 @@ _ATOMS = (ast.Name, ast.Constant, ast.Call, ast.Attribute, ast.Subscript)
 _RANGE = re.compile(r"(\[\s*\d+)\s*\.\.\s*(\d+\s*\])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _COMPONENT = re.compile(r"([A-Za-z_][\w.]*)\[\s*(\d+)\s*\]")
+_LIST = re.compile(r"(?:^|[-+*/@(,\[])\s*\[")
 _END = re.compile(rf"\[({'|'.join(ENDS)})\]")
 
 
@@ -132,8 +133,11 @@ class _Reader:
         """A text that cannot be read, with names in place of the components in it. Raises Mistaken for a slip in it."""
         new = _COMPONENT.sub(self._plain, text)
         try:
-            check_syntax(new, self.scope.called)
+            check_syntax(new.replace("@", "*"), self.scope.called)
         except ExpressionError as error:
+            if _LIST.search(new):  # which is none of the slips that are looked for
+                what = f'"{shorten(text, 60)}" cannot be read as an expression'
+                raise _Slip(what, "look for a missing operator, bracket or comma") from error
             raise _Slip(error.what, error.remedy) from error
         return new
 

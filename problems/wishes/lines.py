@@ -7,7 +7,6 @@ from typing import Any
 
 import yaml
 
-from ..expressions.expression import Expression
 from ..text import shorten, tidy
 
 LONGEST = 60  # letters of a value in a message
@@ -24,7 +23,7 @@ class _Dumper(yaml.SafeDumper):
     """Also writes what stands for a mistaken value."""
 
 
-_Dumper.add_representer(Expression, lambda dumper, value: dumper.represent_str(value.text))
+_Dumper.add_multi_representer(object, lambda dumper, value: dumper.represent_str(getattr(value, "text", "?")))
 
 
 def flow(value: Any) -> str:

@@ -240,6 +240,23 @@ def test_the_example_of_the_docs_is_right():
     assert len(spec.states) == 7 and len(spec.constraints.path) == 3
 
 
+@pytest.mark.filterwarnings("error")
+def test_what_python_warns_of_is_a_mistake_like_others():
+    with pytest.raises(SpecError, match="an operator is missing"):
+        load_text(COLUMNS.replace("B*w", "B*w*0or1"), "x.yaml")
+
+
+def test_several_units_and_a_function_at_an_end():
+    text = PHASES.replace("r: {size: 2, ", "r: {size: 2, unit: [m, km], ").replace(
+        "speed: norm", '"far(a)": "norm(a)*e[1]", speed: norm'
+    )
+    spec = load_text(text.replace("near.speed[final]", "far(v[final])"), "x.yaml")
+    assert [spec.states[name].unit for name in ("r1", "r2")] == ["m", "km"]
+    assert spec.objective.minimize.terminal.text == "t[final] + norm(v1[final], v2[final])*e1"
+    with pytest.raises(SpecError, match="uses r, and it is not clear at which end"):
+        load_text(text.replace("near.speed[final]", "far(v[final])").replace("norm(a)*e", "norm(a)*r[1]*e"), "x.yaml")
+
+
 def test_the_schema_for_editors_knows_vectors():
     jsonschema = pytest.importorskip("jsonschema")
     jsonschema.validate(yaml.safe_load(SHORT), schema())
