@@ -35,8 +35,8 @@ DEFAULTS = {
 }
 
 LARGE, LARGE_DEFAULTS = 20_000, {"mumps_scaling": 0}
-"""Unknowns from which on a program has more defaults. Measured at 10000 segments: 0.25 and 0.37 of the engine's time for
-the cart-pole by trapezoid and Radau, 0.8 to 1.05 otherwise, and as many iterations or fewer. Smaller programs gain
+"""Unknowns from which on a program has more defaults. Measured at 10000 segments: 0.25 and 0.37 of the engine's time
+for the cart-pole by trapezoid and Radau, 0.8 to 1.05 otherwise, and as many iterations or fewer. Smaller programs gain
 nothing on average, and some take a tenth more iterations."""
 
 OPTION_FILE = "option_file_name"
