@@ -21,9 +21,11 @@ SAME = 1e-9  # relative; what is left is the rounding of sin(theta + 2 pi)
 
 
 def unwound(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) -> np.ndarray:
-    """The unknowns z, shape (n,), with each input that jumps by multiples of a period made continuous.
+    """The unknowns with each input that jumps by multiples of a period made continuous.
 
-    transcription, nlp: of the solve that led to z.
+    transcription: of the solve that led to z.
+    nlp: its program.
+    z: unknowns, shape (n,).
 
     An input stays as it is if the objective or a constraint would change, or if it would leave its bounds.
     """
