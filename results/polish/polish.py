@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import inf
 from pathlib import Path
 from time import perf_counter
 
@@ -63,21 +64,24 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
 
     What cannot be polished, or is no better, comes back as it is, with a note that says why.
     """
-    began = perf_counter()
-    first = Polished(solution, spec)
+    began, first = perf_counter(), Polished(solution, spec)
     if not solution.solved:
         return first
-    found = why_not(spec) or _polished(first, progress, stop)
-    if isinstance(found, str):
-        solution = replace(solution, notes=(*solution.notes, f"not polished: {found}"))
-        return Polished(replace(solution, elsewhere=solution.elsewhere + perf_counter() - began), spec)
-    new = found.solution
     spent = sum(sum(record.seconds.values()) for record in solution.meshes)
-    bar, segments = solution.objective_error.bar, solution.meshes[-1].segments
+    end = began + max((spec.solver.seconds or inf) - spent - solution.elsewhere, 0.0)
+    found = why_not(spec) or _polished(first, progress, lambda: perf_counter() > end or (stop is not None and stop()))
+    if isinstance(found, str):
+        notes = (*solution.notes, f"not polished: {found}")
+        return Polished(replace(solution, notes=notes, elsewhere=solution.elsewhere + perf_counter() - began), spec)
+    new, bar, segments = found.solution, solution.objective_error.bar, solution.meshes[-1].segments
     before = f"{solution.objective:.10g} +- {bar:.1g} on {segments} segments"
+    asked = max(spec.refine.tolerance if spec.refine else 0.0, solution.meshes[-1].relative_error)
+    missed = new.meshes[-1].relative_error > asked
     new = replace(
         new,
         notes=(*new.notes, f"polished in {len(new.trajectories)} phases; before, {before}"),
+        unmet=new.unmet if missed else (),
+        stopped=new.stopped if missed else "",
         discarded=(*solution.meshes, *solution.discarded, *new.discarded),
         elsewhere=new.elsewhere + solution.elsewhere + spent,
     )
@@ -104,9 +108,19 @@ def _in_phases(first: Polished, parts: Sequence[Part], progress: Progress, stop:
         duration = whole.final_time - whole.initial_time
         lasts = [own.final_time - own.initial_time > COLLAPSED * duration for own in new.solution.trajectories]
         if all(lasts):
-            return _why_worse(first, new, parts) or new
+            return _why_worse(first, new, parts) or Polished(_with_arcs(new.solution, first.solution, parts), new.spec)
         parts = merged([part for part, kept in zip(parts, lasts, strict=True) if kept])
     return "its arcs shrink to nothing"
+
+
+def _with_arcs(new: Solution, old: Solution, parts: Sequence[Part]) -> Solution:
+    """The solution in phases with the arcs of the first one, whose controls are not bounded but fixed in it."""
+    starts, found = [old.trajectories[0].initial_time, *(part.end for part in parts)], []
+    for own, (a, b) in zip(new.trajectories, pairwise(starts), strict=True):
+        arcs = [(course, course.at((a + b) / 2)) for course in old.arcs[0]]
+        times = {"start": own.initial_time, "end": own.final_time}
+        found.append(tuple(replace(course, arcs=(replace(arc, **times),)) for course, arc in arcs))
+    return replace(new, arcs=tuple(found))
 
 
 def _solved(first: Polished, parts: Sequence[Part], progress: Progress, stop: Stop) -> Polished | str:

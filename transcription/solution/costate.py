@@ -13,8 +13,9 @@ belong to segment s (defects, path constraints, running cost),
 
 (2) has the full order of the scheme, also at both ends of the trajectory and where an end is no collocation point. Both
 agree unless a bound on the state is active at the knot, where a costate may jump. Where a state is fixed all the time,
-that is everywhere, for itself and the states that keep it there: then (1) holds at the knots, too. Costates are those of the minimised objective with
-H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense: d J / d x as written.
+that is everywhere, for itself and the states that keep it there: then (1) holds at the knots, too. Costates are those
+of the minimised objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense:
+d J / d x as written.
 """
 
 from __future__ import annotations
