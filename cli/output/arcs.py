@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain, pairwise
+from math import isclose
 from typing import Any
 
 from .printing import print_field
@@ -13,6 +14,8 @@ KINDS = ("control", "state", "path")
 
 FEW, SHORT = 3, 8
 """Quantities that the short table tells, and arcs of each."""
+
+SAME = 1e-9  # relative difference of times that a solver holds equal
 
 
 def few_arcs(phases: Mapping[str, Any]) -> Iterator[str]:
@@ -53,7 +56,7 @@ def _is(own: Mapping[str, Any], kind: str, name: str) -> bool:
 def _consecutive(phases: Mapping[str, Any]) -> bool:
     """Whether each phase begins when the one before it ends."""
     times = [phase["time"] for phase in phases.values()]
-    return all(before["final"] == after["initial"] for before, after in pairwise(times))
+    return all(isclose(before["final"], after["initial"], rel_tol=SAME) for before, after in pairwise(times))
 
 
 def _joined(phases: Iterable[list[dict[str, Any]]]) -> list[dict[str, Any]]:

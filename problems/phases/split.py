@@ -103,10 +103,11 @@ def _phase(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) ->
         elif on is not None:
             path.append({"name": name, "expression": expression, "equals": entry[on]})
         else:
-            path.append(entry)
-    for name in part.held.keys() & spec.states.keys():
-        states[name] = _fixed(getattr(spec.states[name], part.held[name]).text)
-        resting.append(name)
+            path.append(dict(entry))
+    for name, on in part.held.items():
+        if name in spec.states and (bound := getattr(spec.states[name], on)) is not None:
+            states[name] = _fixed(bound.text)
+            resting.append(name)
     controls = {name: _fixed(getattr(spec.controls[name], on).text) for name, on in part.fixed.items()}
     boundary = [entry for name in resting for entry in _at_rest(spec, name)]
     constraints = _filled({"path": path, "boundary": boundary})

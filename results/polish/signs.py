@@ -79,5 +79,5 @@ def _allowed(trajectory: Trajectory, t: np.ndarray, x: np.ndarray, u: np.ndarray
         holds &= c.bounds.excess(np.asarray(c.function(values, np))) <= KEPT
     for state, own, rate in zip(phase.states, x, phase.dynamics(t, x, u, p), strict=True):
         for bound, outwards in ((state.bounds.lower, -rate), (state.bounds.upper, rate)):
-            holds &= ~((np.abs(own - bound) <= KEPT * (1 + abs(bound))) & (outwards > 0))
+            holds &= ~((np.abs(own - bound) <= KEPT * (1 + abs(bound))) & (outwards > 0) & np.isfinite(bound))
     return holds
