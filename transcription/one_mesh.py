@@ -19,7 +19,7 @@ from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
-from .scaling import scale
+from .scaling import Scaling, scale
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.error import ErrorProfile, error_profile
@@ -27,6 +27,8 @@ from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
+from .starts.near import Near, solved_from
+from .starts.small import sizes_of_small
 from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
 
@@ -92,12 +94,13 @@ class Watch:
 class Origin:
     """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any.
 
-    damping: of controls that chattered there.
+    damping: of controls that chattered there. near: the guess is the solution of a neighbour, which leaves this.
     """
 
     guess: Sequence[Curves] | None
     solved: Solved | None
     damping: Damping = UNDAMPED
+    near: Near | None = None
 
 
 def solve_mesh(
@@ -153,13 +156,29 @@ def _run(
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
-    scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
+    scaling = _scaling(transcription, nlp, z, settings)
     damped = start.damping.of(nlp, transcription)
-    outcome = engine_solve(settings.engine)(
-        damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
-    )
+    engine = engine_solve(settings.engine)
+
+    def run(options: Mapping[str, object], multipliers: Start | None) -> Outcome:
+        return engine(damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks())
+
+    if start.near and settings.engine == "ipopt" and start.near.fits(transcription, nlp):
+        outcome, more = solved_from(start.near, run, nlp, z, lower, upper, options)
+    else:
+        outcome, more = run(options, multipliers), 0
     clock.append(time.perf_counter())
-    return _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
+    solution, solved = _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
+    (record,) = solution.meshes
+    return replace(solution, meshes=(replace(record, iterations=record.iterations + more),)), solved
+
+
+def _scaling(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings) -> Scaling | None:
+    """That of the settings; with none, that of unknowns that are small."""
+    sizes = settings.scaling
+    if sizes is None and settings.engine == "ipopt" and "nlp_scaling_method" not in settings.options:
+        sizes = sizes_of_small(transcription, z)
+    return None if sizes is None else scale(transcription, nlp, z, sizes)
 
 
 def _measured(
@@ -187,7 +206,17 @@ def _measured(
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
     record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
-        problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
+        problem,
+        outcome.status,
+        objective,
+        phases,
+        errors,
+        (record,),
+        outcome,
+        bar,
+        violations,
+        str(trouble),
+        trouble.involved,
     )
     return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 
@@ -216,7 +245,7 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     nlp.seconds.update(dict.fromkeys(nlp.seconds, 0.0))
     product = max(AIM * gap / max(count, 1.0), SMALLEST_PRODUCT)
     options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
-    scaling = None if settings.scaling is None else scale(solved.transcription, nlp, z, settings.scaling)
+    scaling = _scaling(solved.transcription, nlp, z, settings)
     start = Start(solved.outcome.y, solved.outcome.z_lower, solved.outcome.z_upper)
     damped = solved.damping.of(nlp, solved.transcription)
     outcome = engine_solve(settings.engine)(
@@ -276,7 +305,7 @@ def _record(
         objective_corrected=objective + bar.correction,
         max_eta=max(error.max_eta for error in errors),
         relative_error=max(float(error.relative.max()) for error in errors),
-        iterations=max(len(outcome.iterations["iteration"]) - 1, 0),
+        iterations=outcome.count,
         unknowns=nlp.n,
         constraints=nlp.m,
         seconds=seconds,

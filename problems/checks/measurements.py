@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..expressions.functions import is_inconsistent
+from ..expressions.signature import name_trouble
 from ..expressions.tree import Operation, nodes
 from ..measured import compared
 from ..names.occurrences import measured_path
@@ -17,7 +18,6 @@ from ..tables.series import TIME
 from ..text import brief, did_you_mean, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .names import name_trouble
 
 MAX_TIMES = 2000
 """Distinct ones of a phase: each is a knot of every mesh."""
@@ -90,6 +90,10 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
         if column not in columns:
             what = f"there is no column {brief(column)}"
             yield Finding((*path, "compare", column), what, did_you_mean(column, columns, listed))
+    for column in entry.units:
+        if column not in entry.data:
+            what = f"there is no column {brief(column)}"
+            yield Finding((*path, "units", column), what, did_you_mean(column, entry.data, listed))
     for key in ("deviations", "weights"):
         given = getattr(entry, key)
         for column, own in given.items() if isinstance(given, dict) else [("", given)]:

@@ -227,7 +227,9 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
         if before.text != "t" and (end := end_meant(inside)):
-            fail(text, before, last, "an end of time is called initial or final", f"write {end.format(before.text)}")
+            component = f"; for a component make {before.text} a vector, by size: 3" if inside.isdigit() else ""
+            remedy = f"write {end.format(before.text)}{component}"
+            fail(text, before, last, "an end of time is called initial or final", remedy)
         if lack := at_another_time(before.text, inside):
             fail(text, before, last, *lack)
         if inside == DURATION:

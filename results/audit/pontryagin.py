@@ -30,8 +30,8 @@ APART = 0.1  # of the box: two candidates to improve that are nearer than this w
 
 @np.errstate(all="ignore")
 def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, Check]]:
-    """Each phase that has controls, and unique costates, and its check; not in discrete time, where it need not
-    hold.
+    """Each phase that has controls, unique costates and a duration, and its check; not in discrete time, where it need
+    not hold.
 
     result: read back, with multipliers.
     claimed: how far its objective may be from the optimum.
@@ -39,7 +39,7 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, C
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
         unique = not trajectory.phase.complementarity and not trajectory.phase.exact
-        if trajectory.costate is not None and trajectory.phase.controls and unique:
+        if trajectory.costate is not None and trajectory.phase.controls and unique and np.ptp(trajectory.t):
             yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 
@@ -57,7 +57,7 @@ def _check(phase: PhaseLagrangian, claimed: float) -> Check:
     where = ""
     if excess[k] > 0:
         names = ", ".join(f"{c.name} = {v:.4g}" for c, v in zip(phase.phase.controls, better[:, k], strict=True))
-        where = f"{at(points.t[k])}, by {excess[k] / scale:.1e} with {names}"
+        where = f"{at(phase.trajectory, points.t[k])}, by {excess[k] / scale:.1e} with {names}"
     return Check(NAME, value, claimed / (phase.duration * scale), where)
 
 

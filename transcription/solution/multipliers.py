@@ -34,6 +34,9 @@ from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription, bounded_start
 from .end_masses import inputs_of, without_end_masses
 
+ACTS = 0.5
+"""Of theta: an inequality with less does not act."""
+
 
 @short_repr
 @dataclass(frozen=True)
