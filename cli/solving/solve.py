@@ -103,7 +103,8 @@ def solve(
             if polish:
                 better, solution = _polished(job, solution, stop, quiet, verbose)
                 path = _kept(better, solution)
-            _tell(path, json_, quiet)
+            if json_ or not (quiet and solution.solved):
+                _tell(path, json_, quiet)
             if plot:
                 from ..result_files.plot import draw_trajectory
 
