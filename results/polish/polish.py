@@ -118,8 +118,8 @@ def _with_arcs(new: Solution, old: Solution, parts: Sequence[Part]) -> Solution:
     starts, found = [old.trajectories[0].initial_time, *(part.end for part in parts)], []
     for own, (a, b) in zip(new.trajectories, pairwise(starts), strict=True):
         arcs = [(course, course.at((a + b) / 2)) for course in old.arcs[0]]
-        times = {"start": own.initial_time, "end": own.final_time}
-        found.append(tuple(replace(course, arcs=(replace(arc, **times),)) for course, arc in arcs))
+        start, end = own.initial_time, own.final_time
+        found.append(tuple(replace(course, arcs=(replace(arc, start=start, end=end),)) for course, arc in arcs))
     return replace(new, arcs=tuple(found))
 
 
