@@ -16,6 +16,7 @@ from trajopt.transcription.continuation import solve_spec
 from trajopt.transcription.loading import build_checked, load_file, load_yaml
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
+from trajopt.transcription.structure.courses import _share
 from trajopt.transcription.structure.runs import arcs_of, snapped, with_touches
 
 MOVE = """\
@@ -143,7 +144,7 @@ def test_show_tells_them_in_words_and_as_json(goddard):
 
 def told(*courses):
     """The words for (name, kind, arcs) each; an arc is (on, end, bound) or (on, end, bound, by)."""
-    phases = {"main": {"arcs": []}}
+    phases = {"main": {"arcs": [], "time": {"initial": 0, "final": 1}}}
     for name, kind, given in courses:
         start, found = 0.0, []
         for on, end, bound, *by in given:
@@ -157,7 +158,7 @@ def test_words():
     bangs = ("u", CONTROL, [(UPPER, 13.73, 2), (INSIDE, 21.99, None, SINGULAR), (LOWER, 42, 0)])
     touch = ("x", STATE, [(INSIDE, 0.5, None), (UPPER, 0.5, 1), (INSIDE, 1, None)])
     always = ("w", CONTROL, [(LOWER, 1, -1)])
-    many = ("chatter", PATH, [(LOWER, t, -1) for t in range(1, 10)])
+    many = ("chatter", PATH, [((LOWER, UPPER)[t % 2], t, -1) for t in range(1, 10)])
     assert told(touch, bangs, many, always) == [
         "u: max until 13.73, singular until 21.99, then 0",
         "w: min throughout",
@@ -166,6 +167,21 @@ def test_words():
     ]
     assert told(many) == ["chatter: 9 arcs, on its bounds and off them"]
     assert told() == []
+
+
+def test_phases_one_after_the_other_are_told_together():
+    def phase(start, end, **arcs):
+        own = [
+            {"name": name, "kind": CONTROL, "arcs": [{"start": start, "end": end, "by": "", **arc}]}
+            for name, arc in arcs.items()
+        ]
+        return {"time": {"initial": start, "final": end}, "arcs": own}
+
+    top, low = {"on": UPPER, "bound": 1}, {"on": LOWER, "bound": 0}
+    phases = {"a": phase(0, 1, u=top, w=top), "b": phase(1, 2, u=top), "c": phase(2, 3, u=low, w=low)}
+    assert list(few_arcs(phases)) == ["u: max until 2, then 0", "a, w: max throughout", "c, w: 0 throughout"]
+    apart = {**phases, "c": phase(2.5, 3, u=low)}
+    assert "c, u: 0 throughout" in list(few_arcs(apart))
 
 
 MESH = Mesh.of(find("trapezoid"), 6)
@@ -197,3 +213,9 @@ def test_the_arc_and_the_bound_of_a_time():
     course = Course("u", CONTROL, Range(-1, 3), (Arc(0, 1, UPPER), Arc(1, 2, INSIDE)))
     assert course.at(0.5).on == UPPER and course.at(1.5).on == INSIDE and course.at(9).on == INSIDE
     assert course.bound(course.arcs[0]) == 3 and np.isnan(course.bound(course.arcs[1]))
+
+
+def test_an_arc_of_no_duration_is_held_by_nothing():
+    """As where a control is cut at a touch of the bound: a share of it is a share of nothing."""
+    wall = Course("x", STATE, Range(0, 1), (Arc(0.0, 2.0, UPPER), Arc(2.0, 3.0, INSIDE)))
+    assert [_share(wall, Arc(a, b, INSIDE)) for a, b in ((1.0, 1.0), (2.0, 2.0), (1.0, 3.0))] == [0, 0, 0.5]
