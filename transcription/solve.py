@@ -301,7 +301,7 @@ def _refined(
     """
     problem, meshes, solved_to = step
     how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
-    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
+    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors, solution.worth))
     unmet = tuple(segment for refinement in found for segment in refinement.unmet)
     if goal and goal.reached:
         unmet = ()

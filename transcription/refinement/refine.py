@@ -73,15 +73,18 @@ class Refinement:
     enough: bool
 
 
-def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge: bool = True) -> Refinement:
+def refine(
+    trajectory: Trajectory, error: ErrorProfile, worth: np.ndarray, tolerance: float, merge: bool = True
+) -> Refinement:
     """The mesh to solve on next; pure, it changes nothing.
 
     trajectory: the solved phase, with the mesh to refine.
     error: of the trajectory, as `error_profile` measures it, or what `Goal` puts in its place.
+    worth: (N,) what each segment adds to the error bar of the objective, relative to 1 + |J|.
     tolerance: of the relative error of each segment.
     merge: whether segments may lose points and be merged.
     """
-    segments = _Segments(trajectory, error, tolerance)
+    segments = _Segments(trajectory, error, worth, tolerance)
     if not len(segments.bad):
         return Refinement(trajectory.mesh, (), True)
     told = tuple(map(segments.told, segments.bad))
@@ -107,6 +110,7 @@ class _Segments:
 
     trajectory: Trajectory
     error: ErrorProfile
+    worth: np.ndarray
     tolerance: float
 
     @cached_property
@@ -117,7 +121,8 @@ class _Segments:
     @cached_property
     def share(self) -> np.ndarray:
         """The most of error and smearing over the tolerance, and excess over TOLERATED_EXCESS, shape (N,)."""
-        return np.fmax(self.inexact, self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS)
+        exceeded = self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS
+        return np.fmax(np.fmax(self.inexact, self.worth / self.tolerance), exceeded)
 
     @cached_property
     def inexact(self) -> np.ndarray:
@@ -170,7 +175,7 @@ class _Segments:
         width, scheme = self.same(s)
         error = self.error.relative[s]
         ratio = error / (MARGIN * self.tolerance) if np.isfinite(error) else np.inf
-        if self.inexact[s] > MARGIN and (jump := self.switches.jump(s)):
+        if max(self.inexact[s], self.worth[s] / self.tolerance) > MARGIN and (jump := self.switches.jump(s)):
             cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
             return [(width * part, scheme) for part in np.diff(distinct(np.array([0.0, *cuts, 1.0])))]
         if raised := self._raised(s, ratio):
