@@ -182,6 +182,9 @@ def _measured(
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
     bar = objective_error(transcription, nlp, outcome, phases)
+    if bar.applies:
+        size = 1 + abs(outcome.objective)
+        errors = tuple(replace(own, worth=shares / size) for own, shares in zip(errors, bar.shares, strict=True))
     bar = replace(bar, bar=bar.bar + worth)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)

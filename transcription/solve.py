@@ -15,6 +15,7 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
+from .refinement.angles import unwound
 from .refinement.basin import left_basin, unmeasurable, unminimised
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
@@ -150,7 +151,8 @@ class _Loop:
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        solution, solved = self._calmed(number, run(*self.steps[number], self.settings, start, watch), watch)
+        found = self._unwound(number, run(*self.steps[number], self.settings, start, watch), start, watch)
+        solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
         solution = _out_of_time(solution, self.limit)
         if self.last is None:
@@ -163,6 +165,20 @@ class _Loop:
         if refined and own and left_basin(self.last[0], solution):
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
+
+    def _unwound(self, number: int, found: Found, start: Origin, watch: Watch) -> Found:
+        """The solution with angles among its controls that go the short way; as it is where they do, or where the solve
+        from there leads to a worse one."""
+        solution, solved = found
+        curves, names = unwound(solution.trajectories) if solution.status.usable else ([], [])
+        if not names:
+            return found
+        again = solve_mesh(*self.steps[number], self.settings, Origin(curves, None, start.damping), watch)
+        if not again[0].status.usable or left_basin(solution, again[0]):
+            return found
+        records = (*solution.meshes[:-1], added(solution.meshes[-1], again[0].meshes[-1]))
+        told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
+        return replace(again[0], meshes=records, notes=(*solution.notes, told)), again[1]
 
     def _calmed(self, number: int, found: Found, watch: Watch) -> Found:
         """The solution with damped controls where they chatter; as it is where they do not, or where that is worse."""
@@ -301,7 +317,7 @@ def _refined(
     """
     problem, meshes, solved_to = step
     how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
-    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors, solution.worth))
+    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
     unmet = tuple(segment for refinement in found for segment in refinement.unmet)
     if goal and goal.reached:
         unmet = ()

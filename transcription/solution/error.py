@@ -48,12 +48,14 @@ class ErrorProfile:
 
     relative: (N,) the largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger.
     excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`. overshoot: the largest.
+    worth: (N,) what each segment adds to the error bar of the objective, relative to 1 + |J|; zero where there is none.
     """
 
     epsilon: np.ndarray
     eta: np.ndarray
     relative: np.ndarray
     excess: Mapping[str, np.ndarray]
+    worth: np.ndarray
     overshoot: Overshoot | None = None
 
     @property
@@ -81,7 +83,7 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
     shown = [e for e in excesses(trajectory) if not e.algebraic]
     excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
-    return ErrorProfile(epsilon, eta, relative, excess, _overshoot(shown, sample.t))
+    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, sample.t))
 
 
 def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:

@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-
 from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
@@ -113,13 +111,6 @@ class Solution:
     def sensitivities(self) -> Sensitivities:
         """How the objective changes with the numbers of the file; computed when it is asked for."""
         return self.sensitive()
-
-    @property
-    def worth(self) -> list[np.ndarray]:
-        """What each segment of each phase adds to the error bar, relative to 1 + |J|; zero where there is none."""
-        if not self.objective_error.applies:
-            return [np.zeros(trajectory.mesh.segments) for trajectory in self.trajectories]
-        return [shares / (1 + abs(self.objective)) for shares in self.objective_error.shares]
 
     @property
     def solved(self) -> bool:
