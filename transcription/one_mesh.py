@@ -47,6 +47,10 @@ TIGHTENING = {
 """Options of a solve that starts from a solution with a larger barrier parameter: it stays where it is."""
 
 
+Planned = tuple[Problem, list[Mesh], float]
+"""The problem, the mesh of each phase and the tolerance of a solve."""
+
+
 Found = tuple[Solution, Solved]
 """A solution, and what the next solve starts from."""
 

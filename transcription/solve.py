@@ -14,16 +14,16 @@ from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
-from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
-from .refinement.angles import unwound
-from .refinement.basin import left_basin, unmeasurable, unminimised
+from .one_mesh import Found, Limit, Origin, Planned, Watch, added, solve_mesh, tightened
+from .pontryagin.needles import lower_hamiltonian
+from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
-from .schemes.mesh import Mesh
+from .same_mesh import from_lower, sharpened, with_short_turns
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
-from .solution.solution import MeshRecord, Solution
+from .solution.solution import MeshRecord, Solution, with_bar
 from .structure.convexity import kind_of_program
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
@@ -35,6 +35,14 @@ on the mesh before, if that is less; with more the engine takes the interpolated
 ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
 """Statuses of a solve that was told to end, and how a mesh is called that ended so."""
 
+OF_GAIN = 2.0
+"""What other controls may gain, as a multiple of what the Hamiltonian says: that is of first order."""
+
+UNMINIMISED = (
+    "this solution is stationary, and no minimum; another guess of the controls may lead to a better one, or a control "
+    "that switches ever faster (chattering), which no mesh holds"
+)
+
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
 
@@ -42,9 +50,9 @@ GAP_SHARE, DAMPING_SHARE = 1e-3, 0.1
 """Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave, and what the damping of
 controls that chatter may be worth."""
 
-Planned = tuple[Problem, list[Mesh], float]
-"""The problem, the mesh of each phase and the tolerance of a solve."""
-
+LOWERED, NOTICED = 3, 0.25
+"""Times to start again with controls that have a lower Hamiltonian; and of the error bar, if it does not fall with the
+mesh, what they have to gain."""
 
 Schedule = Sequence[Step | Sequence[Step]]
 """What to solve on in turn: one step for all phases, or one for each."""
@@ -107,7 +115,8 @@ class _Loop:
     discarded: those whose solves were not kept.
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping.
+    weakest: controls chatter with weaker damping. lowered: how often a better solution was looked for from controls
+    with a lower Hamiltonian.
     """
 
     def __init__(
@@ -126,19 +135,23 @@ class _Loop:
         self.notes: tuple[str, ...] = ()
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
+        self.lowered = 0
 
     def run(self, start: Origin) -> Solution:
         for number in count():
             found = self._solved(number, start)
             if found is None:
                 break
-            self.last = found
-            self.history.extend(found[0].meshes)
+            if self.settings.refine:
+                found = sharpened(found, self.settings, _accuracy(self.settings.refine), self._watch())
+            self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
                 break
-            if self.settings.refine and number + 1 >= self.scheduled:
-                self._refine(number, found, self.settings.refine)
+            while other := self._lowered(number, found):
+                found = other
+                self.history.pop()
+                self._take(number, found)
             start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
                 break
@@ -148,10 +161,35 @@ class _Loop:
                 break
         return self._told()
 
+    def _take(self, number: int, found: Found) -> None:
+        """Make a solution the one to give back, and see what comes after it."""
+        self.last = found
+        self.history.extend(found[0].meshes)
+        if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
+            self._refine(number, found, self.settings.refine)
+
+    def _lowered(self, number: int, found: Found) -> Found | None:
+        """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
+        looked for on the first mesh that is refined, and where no mesh comes after."""
+        at_end = bool(self.stopped) or number + 1 == len(self.steps)
+        if not (at_end or number + 1 == self.scheduled) or self.lowered == LOWERED or self.limit.reached():
+            return None
+        lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
+        if lower is None:
+            return None
+        self.lowered += 1
+        other = from_lower(self.steps[number], self.settings, found, lower, self._watch())
+        if other:
+            before = f"other controls had a lower Hamiltonian along a solution of {found[0].objective:.6g}"
+            self.notes += (f"{before}; from them a better one was found",)
+            self.stopped, self.steps[number + 1 :] = "", ()
+        return other
+
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        found = self._unwound(number, run(*self.steps[number], self.settings, start, watch), start, watch)
+        found = run(*self.steps[number], self.settings, start, watch)
+        found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
         solution = _out_of_time(solution, self.limit)
@@ -165,20 +203,6 @@ class _Loop:
         if refined and own and left_basin(self.last[0], solution):
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
-
-    def _unwound(self, number: int, found: Found, start: Origin, watch: Watch) -> Found:
-        """The solution with angles among its controls that go the short way; as it is where they do, or where the solve
-        from there leads to a worse one."""
-        solution, solved = found
-        curves, names = unwound(solution.trajectories) if solution.status.usable else ([], [])
-        if not names:
-            return found
-        again = solve_mesh(*self.steps[number], self.settings, Origin(curves, None, start.damping), watch)
-        if not again[0].status.usable or left_basin(solution, again[0]):
-            return found
-        records = (*solution.meshes[:-1], added(solution.meshes[-1], again[0].meshes[-1]))
-        told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
-        return replace(again[0], meshes=records, notes=(*solution.notes, told)), again[1]
 
     def _calmed(self, number: int, found: Found, watch: Watch) -> Found:
         """The solution with damped controls where they chatter; as it is where they do not, or where that is worse."""
@@ -236,6 +260,9 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
+        if more and (why := stalled(self.history[self.scheduled - 1 :], refine.tolerance)):
+            self.stopped = why
+            return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
             self.stopped = f"the next mesh cannot be solved: {too_large[0].what}"
             return
@@ -256,8 +283,9 @@ class _Loop:
         )
         damped = solved.damping.told(solution.trajectories, solved.worth)
         notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
-        if self.settings.refine and not self.unmet and (why := unminimised(solution)):
-            notes += (why,)
+        if lower := lower_hamiltonian(solution, solved, NOTICED if self.stopped else 1.0):
+            notes += (f"another control has a lower Hamiltonian {lower.where}: {UNMINIMISED}",)
+            solution = with_bar(solution, solution.objective_error.bar + OF_GAIN * lower.gain)
         solution = replace(solution, notes=notes)
         if solution.status.usable:
             continuous = not all(phase.exact for phase in solution.problem.phases)

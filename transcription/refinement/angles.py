@@ -1,4 +1,4 @@
-"""Controls that are angles: a value and the same a turn later mean the same, and a solution may take either at any point.
+"""Controls that are angles: a value and that a turn later mean the same, and a solution may take either at any point.
 
 Between two points that took different turns the control sweeps over all directions, which no equation sees. So a
 control with a period, as far as everything that holds over time can tell, is made continuous: over the points at which
@@ -37,7 +37,7 @@ def unwound(trajectories: Sequence[Trajectory]) -> tuple[list[Curves], list[str]
 
 
 def _unwound(trajectory: Trajectory) -> Iterator[tuple[str, np.ndarray]]:
-    """Name of each angle that jumps by half a turn and more -> its values at the collocation points, made continuous."""
+    """Name of each angle that jumps by half a turn and more -> its values at the collocation points, without jumps."""
     phase, k = trajectory.phase, trajectory.mesh.collocated
     if phase.exact:
         return

@@ -47,6 +47,10 @@ def no_terms(mesh: Mesh) -> Terms:
     return Terms({kind: np.zeros(mesh.segments) for kind in TERMS}, np.zeros(mesh.segments))
 
 
+COLUMNS = ("t", "s", "x", "dx", "costate", "u")
+"""What `Samples` have a column of for each sample."""
+
+
 @dataclass(frozen=True)
 class Samples:
     """A group of segments at S Gauss points each, all in one row: t (M,), x, dx and costate (n_x, M), inputs u (n_u, M)
@@ -63,6 +67,12 @@ class Samples:
     def integral(self, values: np.ndarray) -> np.ndarray:
         """Of values (M,) over each segment."""
         return (self.weights * values.reshape(self.weights.shape)).sum(axis=1)
+
+    def some(self, k: np.ndarray) -> Samples:
+        """Some of the samples of one segment, which stand for all."""
+        arrays = {name: getattr(self, name)[..., k] for name in COLUMNS}
+        weights = self.weights[:, k]
+        return Samples(**arrays, weights=weights * self.weights.sum() / weights.sum())
 
 
 class PhaseLagrangian:
@@ -278,6 +288,5 @@ class PhaseLagrangian:
 
 def _joined(parts: list[Samples]) -> Samples:
     """All samples in one row."""
-    names = ("t", "s", "x", "dx", "costate", "u")
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names}
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in COLUMNS}
     return Samples(**arrays, weights=np.concatenate([part.weights.ravel() for part in parts])[None])

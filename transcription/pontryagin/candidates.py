@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...transcription.solution.hamiltonian import Constrained
+from ..solution.hamiltonian import Constrained
 
 SAMPLES = 64  # of the hypercube, for each control
 MOST_SAMPLES = 256
