@@ -144,7 +144,11 @@ def _doubted(found: Found) -> Found:
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:
-    """Whether a solution is one where the other is none, or has the better objective by more than rounding."""
+    """Whether a solution is one where the other is none, or has the better objective by more than rounding.
+
+    new, old: of one problem.
+    sense: +1 where the least is the best, -1 where the largest is.
+    """
     if not new.status.usable or not old.status.usable:
         return new.status.usable and not old.status.usable
     gain = sense * (old.objective - new.objective)

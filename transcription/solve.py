@@ -116,7 +116,7 @@ class _Loop:
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
     weakest: controls chatter with weaker damping. lowered: how often a better solution was looked for from controls
-    with a lower Hamiltonian.
+    with a lower Hamiltonian, most_lowered: at most; not at all from a guess that stands in place of the problem's own.
     """
 
     def __init__(
@@ -135,9 +135,11 @@ class _Loop:
         self.notes: tuple[str, ...] = ()
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
-        self.lowered = 0
+        self.lowered, self.most_lowered = 0, LOWERED
 
     def run(self, start: Origin) -> Solution:
+        if start.guess is not None:
+            self.most_lowered = 0
         for number in count():
             found = self._solved(number, start)
             if found is None:
@@ -172,7 +174,7 @@ class _Loop:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
         looked for on the first mesh that is refined, and where no mesh comes after."""
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
-        if not (at_end or number + 1 == self.scheduled) or self.lowered == LOWERED or self.limit.reached():
+        if not (at_end or number + 1 == self.scheduled) or self.lowered == self.most_lowered or self.limit.reached():
             return None
         lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
         if lower is None:

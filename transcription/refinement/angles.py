@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...problems.probe import depends_on
 from ...problems.problem import Curves, Function, Guess, Phase, Variable
 from ..solution.trajectory import Trajectory
 
@@ -60,21 +59,20 @@ def _near(control: Variable, v: np.ndarray, turn: float) -> np.ndarray:
     return v - turn * np.round((v.mean() - middle) / turn)
 
 
-def _over_time(phase: Phase, name: str) -> list[Function]:
-    """What depends on a control at every time."""
+def _over_time(phase: Phase) -> list[Function]:
+    """What may depend on a control at every time."""
     own: list[Function] = [state.rate for state in phase.states]
     own += [c.function for c in (*phase.path, *phase.residuals, *phase.integral)]
-    own += [phase.lagrange] if phase.lagrange else []
-    return [function for function in own if depends_on(function, {name})]
+    return own + ([phase.lagrange] if phase.lagrange else [])
 
 
 def _at(trajectory: Trajectory, control: Variable, shift: float) -> list[np.ndarray]:
-    """What depends on a control, (M,) each at the collocation points, with the control larger by `shift`."""
+    """What may depend on a control, (M,) each at the collocation points, with the control larger by `shift`."""
     phase, k = trajectory.phase, trajectory.mesh.collocated
     u = trajectory.u[:, k].copy()
     u[[own.name for own in phase.inputs].index(control.name)] += shift
     values = phase.arguments(trajectory.times[k], trajectory.x[:, k], u, trajectory.parameters)
-    return [np.broadcast_to(function(values, np), len(k)) for function in _over_time(phase, control.name)]
+    return [np.broadcast_to(function(values, np), len(k)) for function in _over_time(phase)]
 
 
 def _periodic(trajectory: Trajectory, control: Variable, turn: float) -> bool:
