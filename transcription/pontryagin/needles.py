@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +35,7 @@ class Lower:
 
     gain: float
     where: str
-    guesses: list[Curves]
+    guesses: Sequence[Curves]
 
 
 def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower | None:
