@@ -15,7 +15,7 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Planned, Watch, added, solve_mesh, tightened
-from .pontryagin.needles import lower_hamiltonian
+from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
@@ -115,8 +115,9 @@ class _Loop:
     discarded: those whose solves were not kept.
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping. lowered: how often a better solution was looked for from controls
-    with a lower Hamiltonian, most_lowered: at most; not at all from a guess that stands in place of the problem's own.
+    weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
+    lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
+    stands in place of the problem's own.
     """
 
     def __init__(
@@ -136,6 +137,7 @@ class _Loop:
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
         self.lowered, self.most_lowered = 0, LOWERED
+        self.lower: Lower | None = None
 
     def run(self, start: Origin) -> Solution:
         if start.guess is not None:
@@ -174,13 +176,13 @@ class _Loop:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
         looked for on the first mesh that is refined, and where no mesh comes after."""
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
-        if not (at_end or number + 1 == self.scheduled) or self.lowered == self.most_lowered or self.limit.reached():
+        if not at_end and number + 1 != self.scheduled:
             return None
-        lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
-        if lower is None:
+        self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
+        if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
             return None
         self.lowered += 1
-        other = from_lower(self.steps[number], self.settings, found, lower, self._watch())
+        other = from_lower(self.steps[number], self.settings, found, self.lower, self._watch())
         if other:
             before = f"other controls had a lower Hamiltonian along a solution of {found[0].objective:.6g}"
             self.notes += (f"{before}; from them a better one was found",)
@@ -285,9 +287,9 @@ class _Loop:
         )
         damped = solved.damping.told(solution.trajectories, solved.worth)
         notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
-        if lower := lower_hamiltonian(solution, solved, NOTICED if self.stopped else 1.0):
-            notes += (f"another control has a lower Hamiltonian {lower.where}: {UNMINIMISED}",)
-            solution = with_bar(solution, solution.objective_error.bar + OF_GAIN * lower.gain)
+        if self.lower and solution.objective_error.applies:
+            notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
+            solution = with_bar(solution, solution.objective_error.bar + OF_GAIN * self.lower.gain)
         solution = replace(solution, notes=notes)
         if solution.status.usable:
             continuous = not all(phase.exact for phase in solution.problem.phases)

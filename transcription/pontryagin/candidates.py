@@ -35,14 +35,15 @@ def box(u: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(bounds), bounds, around)
 
 
-def candidates(u: np.ndarray, within: np.ndarray) -> np.ndarray:
+def candidates(u: np.ndarray, within: np.ndarray, samples: int = SAMPLES) -> np.ndarray:
     """Controls to try at every time, shape (n, B), before they meet the path constraints.
 
     u: the controls along the trajectory, shape (n, M).
     within: as of `box`.
+    samples: of the hypercube, for each control.
     """
     n, random = len(u), np.random.default_rng(SEED)
-    count = min(SAMPLES * n, MOST_SAMPLES)
+    count = min(samples * n, MOST_SAMPLES)
     strata = np.stack([random.permutation(count) for _ in range(n)])
     unit = [(strata + random.random((n, count))) / count, np.full((n, 1), 0.5)]
     if n <= CORNERS:

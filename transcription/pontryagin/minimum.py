@@ -15,9 +15,10 @@ import numpy as np
 from ...problems.text import short_repr
 from ..solution.hamiltonian import Constrained, Values, minimise
 from ..solution.lagrangian import PhaseLagrangian, Samples
-from .candidates import box, candidates, feasible
+from .candidates import SAMPLES, box, candidates, feasible
 
 AT_ONCE = 50_000  # values of H
+ROUGH_POINTS, ROUGH_SAMPLES = 50, 12
 POLISHED = 2  # candidates at each point
 APART = 0.1  # of the box: two candidates to improve that are nearer than this would lead to the same minimum
 
@@ -39,30 +40,30 @@ class Minimum:
 
 
 @np.errstate(all="ignore")
-def least_hamiltonian(phase: PhaseLagrangian, most: int | None = None) -> Minimum:
+def least_hamiltonian(phase: PhaseLagrangian, rough: bool = False) -> Minimum:
     """H is that of the minimised objective.
 
     phase: one with controls and costates.
-    most: how many of its points to look at, with larger weights; None for all.
+    rough: at some of its points only, which stand for all, from fewer samples, and none of them improved.
     """
     points = phase.at_points()
-    if most and len(points.t) > most:
-        points = points.some(np.linspace(0, len(points.t) - 1, most).astype(int))
+    if rough and len(points.t) > ROUGH_POINTS:
+        points = points.some(np.linspace(0, len(points.t) - 1, ROUGH_POINTS).astype(int))
     hamiltonian, constrained = phase.over_controls(points)
     u = points.u[: phase.n]
     here = hamiltonian(u[:, None], np.arange(len(points.t)))[0]
-    better, least = _least(hamiltonian, constrained, u, phase.control_bounds)
+    better, least = _least(hamiltonian, constrained, u, phase.control_bounds, rough)
     return Minimum(points, better, np.maximum(here - least, 0.0))
 
 
 def _least(
-    hamiltonian: Values, constrained: Constrained | None, u: np.ndarray, bounds: np.ndarray
+    hamiltonian: Values, constrained: Constrained | None, u: np.ndarray, bounds: np.ndarray, rough: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """The best feasible controls that are found, shape (n, M), and H there (M,); infinite where none is found."""
     within = box(u, bounds)
-    tried = candidates(u, within)
+    tried = candidates(u, within, ROUGH_SAMPLES if rough else SAMPLES)
     parts = np.array_split(np.arange(u.shape[1]), 1 + u.shape[1] * tried.shape[1] // AT_ONCE)
-    found = [_least_of(_Part(hamiltonian, constrained, k), u[:, k], tried, within) for k in parts]
+    found = [_least_of(_Part(hamiltonian, constrained, k), u[:, k], tried, within, rough) for k in parts]
     return np.concatenate([v for v, _ in found], axis=1), np.concatenate([value for _, value in found])
 
 
@@ -86,15 +87,18 @@ class _Part:
         return v, np.where(np.isfinite(H), H, np.inf)
 
 
-def _least_of(part: _Part, u: np.ndarray, tried: np.ndarray, within: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _least_of(
+    part: _Part, u: np.ndarray, tried: np.ndarray, within: np.ndarray, rough: bool
+) -> tuple[np.ndarray, np.ndarray]:
     """As `_least`, of one part, from its controls u (n, S) and from those to try (n, B)."""
     own = np.clip(u, *within[:, :, None])[:, None]
     v = np.concatenate([own, np.broadcast_to(tried[:, :, None], (*tried.shape, u.shape[1]))], axis=1)
     v, H = part.values(v, within)
-    starts = [own[:, 0], *_best(v, H, np.diff(within, axis=0)[0])]
-    polished = [minimise(part.hamiltonian, start, within, part.constrained).u for start in starts]
-    w, value = part.values(np.stack(polished, axis=1), within)
-    v, H = np.concatenate([v, w], axis=1), np.concatenate([H, value])
+    if not rough:
+        starts = [own[:, 0], *_best(v, H, np.diff(within, axis=0)[0])]
+        polished = [minimise(part.hamiltonian, start, within, part.constrained).u for start in starts]
+        w, value = part.values(np.stack(polished, axis=1), within)
+        v, H = np.concatenate([v, w], axis=1), np.concatenate([H, value])
     best = H.argmin(axis=0)
     return v[:, best, part.every], H[best, part.every]
 

@@ -20,7 +20,6 @@ from .minimum import Minimum, least_hamiltonian
 LEAST = 1e-5
 """Of 1 + |J|: with less to gain than that, controls are as good as any."""
 
-MOST_POINTS = 200  # of a phase: a first look takes no more
 BEARING = 0.1  # of the largest excess: where another control is told of
 
 
@@ -54,8 +53,8 @@ def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower
         if own.phase.controls and not own.phase.exact
     }
     notable = max(share * bar.bar, LEAST * (1 + abs(solution.objective)))
-    for most in (MOST_POINTS, None):
-        found = {i: least_hamiltonian(phase, most) for i, phase in phases.items()}
+    for rough in (True, False):
+        found = {i: least_hamiltonian(phase, rough) for i, phase in phases.items()}
         gain = sum(own.total for own in found.values())
         if not notable < gain < np.inf:
             return None
