@@ -21,6 +21,7 @@ from .result_files.report import report
 from .result_files.show import show
 from .result_files.table import table
 from .result_files.verify import verify
+from .solving.doctor import doctor
 from .solving.reproduce import reproduce
 from .solving.solve import solve
 from .solving.sweep import sweep
@@ -41,7 +42,7 @@ app = typer.Typer(
 
 for function in (
     solve, sweep, check, explain, show, verify, compare, plot, table, animate, report, reproduce, list_, methods,
-    schema, export, init,
+    schema, export, init, doctor,
 ):  # fmt: skip
     app.command(name=function.__name__.rstrip("_"))(function)
 

@@ -24,7 +24,8 @@ from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
 from .phases.order import own_entries, with_left_out
-from .problem import Complementarity, Constraint, Delayed, Function, Output, Phase, Problem, Range, State, Variable
+from .problem import Phase, Problem
+from .quantities import Complementarity, Constraint, Delayed, Function, Output, Range, State, Variable
 from .schema.fields import Bounded
 from .schema.spec import Spec
 from .yaml.document import Path

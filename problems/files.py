@@ -22,25 +22,27 @@ _temporaries: set[Path] = set()
 
 def check_writable(path: Path, force: bool = True) -> None:
     """Raise FileError if a file at `path` could not be written, or if it exists and may not be replaced."""
+    where = str(path)
     try:
-        path = followed(path)
-        if not path.parent.is_dir():
-            remedy = f"create {path.parent} or choose another name"
-            raise FileError(Mistake(str(path), "its folder does not exist", remedy))
-        if path.is_dir():
-            raise FileError(Mistake(str(path), "it is a folder", "give the name of a file"))
-        if path.exists() and not path.is_file():
-            raise FileError(Mistake(str(path), "it is no ordinary file", "give the name of a file"))
-        there = path.exists()
+        target = followed(path)
+        where = where if target == path else f"{path} -> {target}"
+        if not target.parent.is_dir():
+            remedy = f"create {target.parent} or choose another name"
+            raise FileError(Mistake(where, "its folder does not exist", remedy))
+        if target.is_dir():
+            raise FileError(Mistake(where, "it is a folder", "give the name of a file"))
+        if target.exists() and not target.is_file():
+            raise FileError(Mistake(where, "it is no ordinary file", "give the name of a file"))
+        there = target.exists()
     except OSError as error:
-        raise FileError(Mistake(str(path), f"it cannot be written ({_why(error)})", "choose another name")) from error
+        raise FileError(Mistake(where, f"it cannot be written ({_why(error)})", "choose another name")) from error
     try:
-        tempfile.TemporaryFile(dir=path.parent).close()
+        tempfile.TemporaryFile(dir=target.parent).close()
     except OSError as error:
         what = f"its folder cannot be written ({_why(error)})"
-        raise FileError(Mistake(str(path), what, "choose another folder")) from error
+        raise FileError(Mistake(where, what, "choose another folder")) from error
     if there and not force:
-        raise FileError(Mistake(str(path), "the file exists", "choose another name, or replace it with --force"))
+        raise FileError(Mistake(where, "the file exists", "choose another name, or replace it with --force"))
 
 
 def make_folder(path: Path) -> None:

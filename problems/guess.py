@@ -11,7 +11,8 @@ from .guesses.rates import differentiated, integrated
 from .guesses.rows import Row, Span, combined, rows_of
 from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
-from .problem import Function, Guess, Phase, Range, State, Variable
+from .problem import Guess, Phase
+from .quantities import Function, Range, State, Variable
 from .schema.spec import Spec
 
 

@@ -24,6 +24,7 @@ from .schema.spec import Spec
 from .schema.tables import called_names
 from .tables.files import read_files
 from .text import brief, printable
+from .vectors import write_out as vectors
 from .wishes.keys import meant
 from .yaml.document import MAX_BYTES, Document, decode, dotted, read_document, scalar
 from .yaml.document import Path as Place
@@ -95,8 +96,9 @@ def load_text(
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
-    data, locations, early = _written_out(document, file, overrides, numbers)
-    early += mistaken
+    document, given, overrides, (origin, wrong, sizes) = _without_vectors(document, overrides, numbers)
+    data, locations, early = _written_out(document, file, overrides, given, origin)
+    early += mistaken + wrong
     if options and isinstance(data.get("solver"), dict):
         early += _refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     context = {"methods": tuple(methods), CALLED: called_names(data)}
@@ -111,7 +113,7 @@ def load_text(
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(errors + early))
-    unused = {("parameters", name) for name in counted}
+    unused = {("parameters", name) for name in counted | sizes}
     told = [w for w in (*warnings, *_empty(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)
 
@@ -132,12 +134,33 @@ def _without_loops(
     return Document(expanded.data, expanded.lines, document.blocks), given, rest, (expanded.findings, expanded.counted)
 
 
+def _without_vectors(
+    document: Document, overrides: Sequence[str], before: dict[Place, str]
+) -> tuple[Document, dict[Place, str], Sequence[str], tuple[dict[Place, Place], list[Finding], frozenset[str]]]:
+    """The document with its vectors written out, by what is overridden in it before.
+
+    before: the paths of earlier overrides.
+
+    Also the paths of all overrides so far, those that remain, where what is made comes from, the mistakes in vectors,
+    and the parameters that sizes go by.
+    """
+    if not vectors.has_vectors(document.data):
+        return document, before, overrides, ({}, [], frozenset())
+    now = [text for text in overrides if vectors.concerns(text.partition("=")[0].strip(), document.data)]
+    data, given = override(document, now)
+    made = vectors.written_out(data)
+    rest = [text for text in overrides if text not in now]
+    document = Document(made.data, document.lines, document.blocks)
+    return document, before | given, rest, (made.origin, made.findings, made.counted)
+
+
 def _written_out(
-    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str]
+    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str], made: dict[Place, Place]
 ) -> tuple[dict[str, Any], Locations, list[Finding]]:
     """The data of a file as the schema knows it: overrides applied, short forms written out, what is left out chosen.
 
-    Also where each value was given, and what is wrong so far. before: the overrides that templates were made by.
+    Also where each value was given, and what is wrong so far. before: the overrides that templates and vectors were
+    made by. made: where the components of vectors come from.
     """
     chosen = default_mesh()
     asked = [(key,) for key in ("mesh", "refine") if document.data.get(key) is not None]
@@ -152,7 +175,8 @@ def _written_out(
         wrong += exact_mesh(data, asked, given)
     elif data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
-    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data))
+    made |= {path: path for path in given}
+    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data), made)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
     _measured_objective(data)

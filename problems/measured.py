@@ -9,7 +9,7 @@ import numpy as np
 from .expressions.expression import Expression
 from .names.symbols import Symbols
 from .names.variables import reference
-from .problem import Measured
+from .quantities import Measured
 from .schema.measurements import MeasuredEntry
 from .schema.spec import Spec
 from .tables.series import TIME

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .problem import Function
+from .quantities import Function
 
 if TYPE_CHECKING:  # tables import SciPy
     from .tables.table import Table

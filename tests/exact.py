@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Guess, Phase, Problem
+from trajopt.problems.quantities import Range, State, Variable
 
 RIVER = """\
 trajopt: 1

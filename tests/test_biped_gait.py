@@ -8,7 +8,7 @@ import pytest
 from walker import HS, KNEES, STEP, SUPPLEMENT, biped, parameters, run
 
 from trajopt.problems.models import find_model
-from trajopt.problems.problem import Constraint, Range
+from trajopt.problems.quantities import Constraint, Range
 
 
 @cache

@@ -7,7 +7,7 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.problems.models import find_model
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 from trajopt.transcription.settings import Settings, steps
 from trajopt.transcription.solve import solve
 

@@ -10,7 +10,7 @@ import pytest
 
 from trajopt.problems.expressions.expression import parse
 from trajopt.problems.expressions.functions import FUNCTIONS
-from trajopt.problems.expressions.slips import ExpressionError
+from trajopt.problems.expressions.tokens import ExpressionError
 
 NAMES = {"x": 0.7, "y": -0.3, "q1": 1.9, "u_max": 2.5}
 PYTHON = {

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from hostile.campaign import COMMANDS, campaign
+from hostile.content import with_problem
 from hostile.files import OLD, Bad, always, bad_files, good_results
 from hostile.objects import ANY, ARRAYS, SECRET
 from hostile.processes import preload
@@ -46,6 +47,11 @@ def test_good_results_are_read_by_every_command(good, tmp_path):
 
 def test_what_is_no_result_and_what_holds_no_problem(good, tmp_path):
     assert ended_badly(always(good[0]), good, tmp_path, ["show", "explain"]) == []
+
+
+@pytest.mark.parametrize("text", ["{}", '{"source": null}', '{"source": 3, "name": []}'])
+def test_a_page_of_a_result_that_holds_little_of_its_problem(good, tmp_path, text):
+    assert ended_badly([Bad(good[0], text, with_problem(lambda _: text))], good, tmp_path, ["report"]) == []
 
 
 def test_a_sample_of_the_campaign(good, tmp_path):

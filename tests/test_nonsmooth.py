@@ -9,7 +9,7 @@ from nonsmooth_files import loaded
 
 from trajopt.problems.build import build, build_all
 from trajopt.problems.expressions.expression import parse
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 
 
 def told(spec) -> list:

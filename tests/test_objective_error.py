@@ -8,7 +8,8 @@ from benchmarks.known_optima import KNOWN
 from exact import GROWTH_OBJECTIVE, fixed, growth
 from named import problem_named
 
-from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Guess, Phase, Problem
+from trajopt.problems.quantities import Constraint, Range, State, Variable
 from trajopt.problems.text import with_bar
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh

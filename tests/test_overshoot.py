@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from command_line import trajopt
 
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 
 DISC = """
 trajopt: 1

@@ -17,7 +17,7 @@ from PIL import Image
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 from trajopt.results.file.read import bounds_of, read
 from trajopt.results.file.summary import summarize
 from trajopt.results.file.write import write

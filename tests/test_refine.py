@@ -14,7 +14,7 @@ from trajopt.cli.errors import TOLERANCE_MISSED
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.problems.problem import TOLERATED_EXCESS
+from trajopt.problems.quantities import TOLERATED_EXCESS
 from trajopt.results.file.reload import reload
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.refinement.refine import MARGIN, MERGE_MARGIN, refine

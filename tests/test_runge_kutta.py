@@ -5,7 +5,8 @@ import pytest
 from exact import GROWTH_OBJECTIVE, growth, growth_costate, growth_state, integration, integration_state
 from shooting import SCHEME
 
-from trajopt.transcription.schemes.runge_kutta import CLASSICAL, CONTROLS, TABLES, Shooting, Table, order_conditions
+from trajopt.transcription.schemes.runge_kutta import CLASSICAL, CONTROLS, TABLES, Table, order_conditions
+from trajopt.transcription.schemes.shooting import Shooting
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve

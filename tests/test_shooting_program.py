@@ -6,7 +6,8 @@ from derivatives import check_derivatives
 from exact import growth, integration
 from named import problem_named
 
-from trajopt.problems.problem import Constraint, Problem, Range
+from trajopt.problems.problem import Problem
+from trajopt.problems.quantities import Constraint, Range
 from trajopt.transcription.constraint_kinds import BOUND, PATH
 from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.program.contract import NotFinite

@@ -16,7 +16,7 @@ from trajopt.problems.catalog import find_problem, shipped, start_new
 from trajopt.problems.errors import FileError
 from trajopt.problems.expressions.functions import smooth_names
 from trajopt.problems.load import load, load_text
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 from trajopt.problems.schema.fields import MAX_DEGREE
 from trajopt.problems.schema.spec import Spec, schema
 from trajopt.transcription.schemes.runge_kutta import TABLES

@@ -118,3 +118,40 @@ def test_other_starts_stay_inside_the_bounds():
         for variable in (*phase.states, *phase.inputs):
             values = guess.values[variable.name]
             assert (values >= variable.bounds.lower).all() and (values <= variable.bounds.upper).all()
+
+
+COASTS = """
+trajopt: 1
+name: a second burn at the apex
+mesh: [{method: trapezoid, segments: 8}]
+parameters: {g: 9.81, c: 2500}
+controls: {T: {lower: 0, upper: THRUST}}
+states:
+  h: {rate: v}
+  v: {rate: T/m - g}
+  m: {rate: -T/c}
+phases:
+  first:
+    time: {initial: 0, final: {lower: 1, upper: 200, guess: 60}}
+    states: {h: {initial: 0}, v: {initial: 0}, m: {initial: 1000, lower: 500}}
+  second: {time: {final: {upper: 500, guess: 150}}, states: {m: {initial: 400, lower: 150}}}
+links: [{from: first, to: second, except: [m]}]
+objective: {maximize: {terminal: "second.h[final] + second.v[final]**2/(2*9.81)"}}
+"""
+
+
+@pytest.mark.parametrize("thrust", [20000, 25000])
+def test_a_phase_that_shrank_to_nothing(thrust, folder):
+    """At the apex, where v = 0, burning gains nothing in first order: a second stage that is not used is stationary."""
+    summary = solved(folder, COASTS.replace("THRUST", str(thrust)))
+    (note,) = (note for note in summary["notes"] if "shrank" in note)
+    assert note.startswith("phase second shrank to nothing") and "this is the solution from another" in note
+    burns = 500 * 2500 / thrust, 250 * 2500 / thrust
+    speed = 2500 * np.log(2) + 2500 * np.log(400 / 150) - 9.81 * sum(burns)
+    assert summary["objective"] > speed**2 / (2 * 9.81)
+
+
+def test_a_phase_that_is_best_left_out_is_told(folder):
+    text = COASTS.replace("THRUST", "20000").replace("/(2*9.81)", "/(2*9.81) - 1e4*(400 - second.m[final])")
+    (note,) = (note for note in solved(folder, text)["notes"] if "shrank" in note)
+    assert "none led to a better solution" in note

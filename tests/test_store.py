@@ -18,7 +18,8 @@ from stored import save, solved
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.problems.problem import Constraint, Guess, Phase, Problem, State, Variable
+from trajopt.problems.problem import Guess, Phase, Problem
+from trajopt.problems.quantities import Constraint, State, Variable
 from trajopt.results.file import write as store
 from trajopt.results.file.guess import guess_from
 from trajopt.results.file.summary import summarize

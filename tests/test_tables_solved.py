@@ -13,7 +13,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.names.lookups import tables_of
 from trajopt.problems.probe import depends_on, names_asked
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 
 PROBLEM = """\
 trajopt: 1

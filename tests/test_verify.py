@@ -13,7 +13,7 @@ from stored import save_not_finite
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
-from trajopt.problems.problem import Range
+from trajopt.problems.quantities import Range
 from trajopt.results.audit.optimality import _natural_residual
 from trajopt.results.audit.pontryagin import NAME as PONTRYAGIN
 from trajopt.results.audit.starts import NAME as STARTS

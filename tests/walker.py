@@ -3,7 +3,8 @@
 import numpy as np
 
 from trajopt.problems.models import find_model
-from trajopt.problems.problem import Constraint, Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Guess, Phase, Problem
+from trajopt.problems.quantities import Constraint, Range, State, Variable
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 

@@ -26,6 +26,9 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
+NOTHING = 1e-6
+"""Of the guessed duration of a phase: a phase shorter than that has shrunk to nothing."""
+
 CONTRADICTORY = (
     Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
     Status.STEP_FAILED,
@@ -42,7 +45,8 @@ def solve_first_mesh(
     """Solve on the first mesh; other starts are tried where the problem's own is no good.
 
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
-    it fails or not: of all that are solved, the solution with the best objective is kept. If none is solved, an elastic
+    it fails or not, and so is one from which a phase shrank to nothing, where no control has any effect either: of all
+    that are solved, the solution with the best objective is kept. If none is solved, an elastic
     program finds a feasible trajectory to start from, or else what would have to give way. The solution's notes say
     what was done, and, from any start, which controls have no effect along the solution.
 
@@ -94,7 +98,8 @@ def _may_contradict(failed: Solution, settings: Settings) -> bool:
 def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Found:
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
-    if own.status.usable and not idle:
+    doubt = _had_no_effect(idle) or (_shrunk(own) if own.status.usable else "")
+    if own.status.usable and not doubt:
         return first
     best, words, tried = first, "", 0
     for other in other_starts(problem, doubtful=own.status.usable):
@@ -104,9 +109,29 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
         found = run(other.guesses, limit)
         if better(found[0], best[0], problem.sense):
             best, words = found, other.words
-            if not idle:
+            if not doubt:
                 break
-    return replace(best[0], notes=(_told(own, idle, words, tried),)), best[1]
+    return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
+
+
+def _had_no_effect(idle: Sequence[str]) -> str:
+    """Why a start is doubtful at which these controls do nothing; "" for none."""
+    return f"{', '.join(idle)} had no effect at the start of the file" if idle else ""
+
+
+def _shrunk(solution: Solution) -> str:
+    """Why a solution is doubtful in which a phase of free duration has next to none; "" if there is no such phase."""
+    names = [
+        trajectory.phase.name
+        for trajectory in solution.trajectories
+        if not trajectory.phase.exact and _duration(trajectory) <= NOTHING * _duration(trajectory.phase.guess)
+    ]
+    which = f"phase{'s' * (len(names) > 1)} {', '.join(names)}" if len(solution.trajectories) > 1 else "the time"
+    return f"{which} shrank to nothing from the start of the file" if names else ""
+
+
+def _duration(curves: Curves) -> float:
+    return curves.final_time - curves.initial_time
 
 
 def _explained(
@@ -155,14 +180,13 @@ def better(new: Solution, old: Solution, sense: int) -> bool:
     return gain > 1e-6 * (1 + abs(old.objective))
 
 
-def _told(own: Solution, idle: list[str], words: str, tried: int) -> str:
+def _told(own: Solution, idle: list[str], doubt: str, words: str, tried: int) -> str:
     """What was done, and what the user can do; words: of the start that was kept, "" for the problem's own."""
     advice = f"; give a guess of {', '.join(idle)} at which it acts" if idle else ""
     if not own.status.usable:
         others = f"{tried} other start{'s' if tried != 1 else ''} failed too"
         outcome = f"this is the solution from another: {words}" if words else others
         return f"the start of the file failed ({own.status.message}); {outcome}{advice}"
-    doubt = f"{', '.join(idle)} had no effect at the start of the file"
     if words:
         return f"{doubt}, which led to {own.objective:.6g}; this is the solution from another: {words}"
     return f"{doubt}; of {tried} other starts none led to a better solution{advice}"

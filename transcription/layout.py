@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problems.problem import Phase, Problem, Range
+from ..problems.problem import Phase, Problem
+from ..problems.quantities import Range
 from ..problems.text import short_repr
 from .constraint_kinds import BOUND, DEFECT, DELAY, PATH, PATH_END, ConstraintKind
 from .program.contract import NonlinearProgram

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problems.problem import Range, Variable
+from ..problems.quantities import Range, Variable
 from ..problems.text import short_repr
 from .layout import Transcription
 from .program.contract import NonlinearProgram, NotFinite

@@ -13,7 +13,6 @@ from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .measured.estimates import estimates
 from .one_mesh import Found, Limit, Origin, Planned, Watch, added, solve_mesh, tightened
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
@@ -25,6 +24,8 @@ from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution, with_bar
 from .structure.convexity import kind_of_program
+from .structure.courses import courses
+from .structure.estimates import estimates
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
@@ -145,6 +146,8 @@ class _Loop:
         for number in count():
             found = self._solved(number, start)
             if found is None:
+                assert self.last is not None
+                self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
             if self.settings.refine:
                 found = sharpened(found, self.settings, _accuracy(self.settings.refine), self._watch())
@@ -167,7 +170,7 @@ class _Loop:
 
     def _take(self, number: int, found: Found) -> None:
         """Make a solution the one to give back, and see what comes after it."""
-        self.last = found
+        self.last, self.lower = found, None
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
             self._refine(number, found, self.settings.refine)
@@ -295,7 +298,8 @@ class _Loop:
             continuous = not all(phase.exact for phase in solution.problem.phases)
             kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
             own = prices(solved.transcription, solved.nlp, solved.outcome)
-            solution = replace(solution, prices=own, program=kind)
+            arcs = courses(solved.transcription, solved.nlp, solved.outcome, solution.trajectories)
+            solution = replace(solution, prices=own, program=kind, arcs=arcs)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from ...problems.text import with_bar
 from ...results.file.summary import CONTINUOUS, DISCRETE, STATIC, causes
+from .arcs import few_arcs, print_arcs
 from .estimates import estimate_lines, print_correlation
 from .printing import cell, one_line, plural, print_field, print_table, print_title
 
@@ -74,6 +75,7 @@ def _found(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
         if summary["solved"]:
             yield "bounds", _bounds(summary["overshoot"], several)
+    yield from (("arcs", text) for text in few_arcs(summary["phases"]))
     yield from (("pair", text) for text in _pairs(summary["phases"], several))
     if summary["program"]:
         yield "program", summary["program"]
@@ -193,6 +195,7 @@ def print_details(summary: dict[str, Any]) -> None:
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
     print_correlation(summary["estimates"])
+    print_arcs(summary["phases"])
     print()
     columns = ("", "method", "segments", "status", "objective", "+-", "max eta", "error", "iterations", "seconds")
     rows = [dict(zip(columns, _mesh_row(mesh), strict=True)) for mesh in summary["meshes"]]

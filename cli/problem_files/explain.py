@@ -14,7 +14,7 @@ from ..options import Json, Method, Segments, Set, overrides
 from ..output.printing import cell, print_json, print_table, print_title
 
 if TYPE_CHECKING:
-    from ...problems.problem import Range
+    from ...problems.quantities import Range
     from ...problems.schema.spec import Spec
     from ...transcription.failure.relax import Explanation, Relaxation
 

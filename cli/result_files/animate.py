@@ -46,7 +46,8 @@ def animate(
 
     from ...results.file.read import read
     from ...results.pictures.animate import animate as film
-    from ...results.pictures.animate import check_film, stop_action_figure
+    from ...results.pictures.animate import stop_action_figure
+    from ...results.pictures.film import check_film
     from ...results.pictures.style import check_picture, save
 
     for path in targets:

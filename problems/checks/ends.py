@@ -12,7 +12,7 @@ import numpy as np
 
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
-from ..problem import Range
+from ..quantities import Range
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 
@@ -81,7 +81,14 @@ def delay_mistakes(spec: Spec, symbols: Symbols, alone: bool) -> Iterator[Findin
     for end in ("initial", "final"):
         if getattr(spec.time, end).value is None:
             what = f"the {end} time is free, and {first.name} is interpolated on a mesh at given times"
-            yield Finding(("time", end), what, "give it a value; sweep over it to see which is best")
+            remedy = (
+                f"give it a value, and sweep over it to see which is best: trajopt sweep FILE --over time.{end}=2:4:9"
+            )
+            yield Finding(("time", end), what, remedy)
+    for own in delays:
+        if spec.discrete and own.lag % 1:
+            what = f"{own.name}: in discrete time a state has values at whole steps, and the delay is {own.lag:g}"
+            yield Finding(own.path, what, f"make it {max(round(own.lag), 1)}, or another whole number")
     if spec.guess.simulate is not None:
         what = f"a guess is not simulated with states at earlier times, as {first.name}"
         yield Finding(("guess", "simulate"), what, "give keyframes:, constants: or formulas: instead")

@@ -12,7 +12,7 @@ from ..guesses.simulated import RunawayError
 from ..names.roles import with_article
 from ..names.symbols import Symbols
 from ..phases.merge import home, phase_specs
-from ..problem import Range
+from ..quantities import Range
 from ..schema.sections import GuessEntry
 from ..schema.spec import Spec
 from ..tables.series import TIME

@@ -10,7 +10,7 @@ from ..measured import compared
 from ..names.occurrences import measured_path
 from ..names.roles import with_article
 from ..names.symbols import Symbols
-from ..problem import Range
+from ..quantities import Range
 from ..schema.measurements import MeasuredEntry
 from ..schema.spec import Spec
 from ..tables.series import TIME
@@ -90,6 +90,10 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
         if column not in columns:
             what = f"there is no column {brief(column)}"
             yield Finding((*path, "compare", column), what, did_you_mean(column, columns, listed))
+    for column in entry.units:
+        if column not in entry.data:
+            what = f"there is no column {brief(column)}"
+            yield Finding((*path, "units", column), what, did_you_mean(column, entry.data, listed))
     for key in ("deviations", "weights"):
         given = getattr(entry, key)
         for column, own in given.items() if isinstance(given, dict) else [("", given)]:

@@ -15,7 +15,7 @@ from ..names.variables import states
 from ..phases.between import Between
 from ..phases.merge import home, phase_specs, phases_as_written
 from ..phases.order import TIME, Passage, expression_links, forward, goes_on_in_time, own_entries, passages
-from ..problem import Range
+from ..quantities import Range
 from ..schema.declarations import OPEN_END, Time
 from ..schema.phases import LinkEntry
 from ..schema.sections import ConstraintEntry

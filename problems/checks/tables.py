@@ -10,7 +10,7 @@ import numpy as np
 from ..names.lookups import Kept, kept
 from ..names.occurrences import SOLVED, uses
 from ..names.symbols import Symbols
-from ..problem import Range
+from ..quantities import Range
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding

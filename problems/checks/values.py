@@ -20,7 +20,7 @@ from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
 from ..phases import timeless
 from ..phases.order import ALONE
-from ..problem import Range
+from ..quantities import Range
 from ..schema.declarations import TimeEnd
 from ..schema.fields import Bounded
 from ..schema.spec import Spec

@@ -19,8 +19,9 @@ import numpy as np
 
 from ..text import shorten, tidy
 from .functions import FUNCTIONS
-from .slips import MAX_EXPONENT, ExpressionError
+from .slips import MAX_EXPONENT
 from .smooth import STAND_INS
+from .tokens import ExpressionError
 from .tree import Chain, External, Link, Lookup, Name, Node, Number, Operation, leaves, parse_tree
 
 if TYPE_CHECKING:  # tables import SciPy

@@ -105,7 +105,11 @@ _KINDS = {
     _data: "interp interp1 interp1d interp2 interpolate interpolant lookup spline pchip table griddedInterpolant",
 }
 
-LACKING = {name: kind(name) for kind, names in _KINDS.items() for name in names.split()}
+LACKING = {name: kind(name) for kind, names in _KINDS.items() for name in names.split()} | {
+    "sum": Lack(
+        "a sum is over a loop or over a vector", "write sum(i in 1..3, x{i}**2), or sum(q) for a vector q, or use +"
+    )
+}
 
 
 _FINAL = ("tf", "t_f", "tF", "T", "end", "final", "t_final", "tend", "t_end", "-1")

@@ -10,12 +10,12 @@ import keyword
 import re
 from collections.abc import Collection
 from itertools import pairwise
-from typing import NamedTuple, NoReturn
 
-from ..text import did_you_mean, excerpt, named, nearest, shorten
+from ..text import did_you_mean, named, nearest, shorten
 from .delays import is_earlier
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
 from .lacking import ALIASES, LACKING, at_another_time, end_meant
+from .tokens import ExpressionError, Token, closing, fail, tokens_of
 
 ENDS = ("initial", "final")
 DURATION = "duration"  # t[duration]: t[final] - t[initial]
@@ -32,12 +32,6 @@ MAX_PARENTHESES = 50  # parentheses inside parentheses
 MAX_SIGNS = 3  # signs in a row: a - -b is arithmetic, a ---- b a typing mistake
 MAX_NUMBER = 1e100
 MAX_EXPONENT = 1000
-
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*(?:\.[A-Za-z_]\w*\b(?!\s*\())?)"
-    r"|(?P<operator>\*\*|//|[-+*/()\[\],.])|(?P<other>\S))",
-    re.ASCII,
-)
 
 _BRANCHES = ("if", "else", "and", "or", "not")
 _COMPARISON = (
@@ -74,24 +68,6 @@ def _other(character: str) -> tuple[str, str]:
     return f"there is an invisible character here, {named(character)}", "remove it"
 
 
-class ExpressionError(ValueError):
-    """A string is not an expression. what: the mistake and where it stands in the string. remedy: how to mend it."""
-
-    def __init__(self, what: str, remedy: str):
-        self.what, self.remedy = what, remedy
-        super().__init__(f"{what}; {remedy}")
-
-
-class Token(NamedTuple):
-    """category: number, name, called (a name of the file before its arguments), operator, separator (a comma between
-    arguments), other or end (an empty token)."""
-
-    category: str
-    text: str
-    start: int
-    stop: int
-
-
 def check_syntax(text: str, called: Collection[str] = ()) -> None:
     """Raise ExpressionError for the first slip in a tidy text; say nothing about a text that may be an expression.
 
@@ -105,7 +81,7 @@ def check_syntax(text: str, called: Collection[str] = ()) -> None:
             f"the expression has {len(text)} characters, more than the {MAX_LENGTH} allowed",
             "name its parts under expressions:",
         )
-    tokens = _with_called(text, _tokens(text), called)
+    tokens = _with_called(text, tokens_of(text), called)
     for token, after in pairwise(tokens):
         _check_token(text, token, after)
     _check_brackets(text, tokens)
@@ -113,13 +89,6 @@ def check_syntax(text: str, called: Collection[str] = ()) -> None:
     for before, token, after in zip(tokens, tokens[1:], [*tokens[2:], tokens[-1]], strict=False):
         _check_neighbours(text, before, token, after)
     _check_signs(text, tokens)
-
-
-def _tokens(text: str) -> list[Token]:
-    """All tokens, with an empty one at either end so that every token has neighbours."""
-    matches = ((str(m.lastgroup), m) for m in _TOKEN.finditer(text))
-    found = [Token(category, m[category], *m.span(category)) for category, m in matches]
-    return [Token("end", "", 0, 0), *found, Token("end", "", len(text), len(text))]
 
 
 def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> list[Token]:
@@ -135,29 +104,25 @@ def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> lis
         if token.text in called or (token.text not in (*LACKING, *ALIASES) and _is_delay(text, after)):
             marked[i] = token._replace(category="called")
         elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, called)):
-            _fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
+            fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
     return marked
 
 
 def _is_delay(text: str, bracket: Token) -> bool:
     """Whether what a name is called with is an earlier time: x(t - tau)."""
-    return is_earlier(text[bracket.stop : _closing(text, bracket).start])
-
-
-def _fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoReturn:
-    raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
+    return is_earlier(text[bracket.stop : closing(text, bracket).start])
 
 
 def _check_token(text: str, token: Token, after: Token) -> None:
     # before a comparison in its arguments is told to be one
     if token.text in LACKING and after.text == "(":
-        _fail(text, token, _closing(text, after), *LACKING[token.text])
+        fail(text, token, closing(text, after), *LACKING[token.text])
     if token.category == "other":
-        _fail(text, token, token, *_other(token.text))
+        fail(text, token, token, *_other(token.text))
     if token.text == "//":
-        _fail(text, token, token, "// is not an operator", "write / for a division")
+        fail(text, token, token, "// is not an operator", "write / for a division")
     if token.category == "name" and keyword.iskeyword(token.text):
-        _fail(
+        fail(
             text,
             token,
             token,
@@ -167,11 +132,11 @@ def _check_token(text: str, token: Token, after: Token) -> None:
             else "use names, numbers, + - * / ** and the functions " + " ".join(smooth_names()),
         )
     if token.category == "name" and token.text.split(".")[0] in MODULES and "." in token.text:
-        _fail(text, token, token, *_no_module(token.text.split(".")[1]))
+        fail(text, token, token, *_no_module(token.text.split(".")[1]))
     if max(map(len, token.text.split("."))) > MAX_NAME:
-        _fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
+        fail(text, token, token, f"this is longer than {MAX_NAME} characters", "shorten it")
     if token.category == "number" and float(token.text) > MAX_NUMBER:
-        _fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
+        fail(text, token, token, f"the number is larger than {MAX_NUMBER:g}", "choose units in which it is smaller")
 
 
 def _check_brackets(text: str, tokens: list[Token]) -> None:
@@ -181,17 +146,17 @@ def _check_brackets(text: str, tokens: list[Token]) -> None:
             opened.append(token)
         elif token.text in (")", "]"):
             if not opened:
-                _fail(text, token, token, f"{token.text} closes nothing", f"remove it or open it before: {text}")
+                fail(text, token, token, f"{token.text} closes nothing", f"remove it or open it before: {text}")
             opener = opened.pop()
             if opener.text + token.text not in ("()", "[]"):
-                _fail(text, opener, token, f"{opener.text} is closed by {token.text}", "use the matching bracket")
+                fail(text, opener, token, f"{opener.text} is closed by {token.text}", "use the matching bracket")
         if len(opened) > MAX_PARENTHESES:
             raise ExpressionError(
                 f"parentheses are nested deeper than {MAX_PARENTHESES}", "name the inner parts under expressions:"
             )
     if opened:
         close = ")" if opened[-1].text == "(" else "]"
-        _fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
+        fail(text, opened[-1], tokens[-1], f"{opened[-1].text} is never closed", f"add the missing {close}")
 
 
 def _separated(tokens: list[Token]) -> list[Token]:
@@ -212,7 +177,7 @@ def _check_signs(text: str, tokens: list[Token]) -> None:
     for token in tokens:
         run = [*run, token] if token.text in ("+", "-") else []
         if len(run) > MAX_SIGNS:
-            _fail(text, run[0], token, "too many signs in a row", "write one sign")
+            fail(text, run[0], token, "too many signs in a row", "write one sign")
 
 
 def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> None:
@@ -221,13 +186,13 @@ def _check_neighbours(text: str, before: Token, token: Token, after: Token) -> N
         _check_dot(text, before, token, after)
     elif token.text == "," and token.category != "separator":
         remedy = "write 0.5, not 0,5, and give a function one argument"
-        _fail(text, before, after, "a comma has no meaning here", remedy)
+        fail(text, before, after, "a comma has no meaning here", remedy)
     elif token.text == "[":
         _check_subscript(text, before, token, after)
     elif _ends_operand(before) and _starts_operand(token):
         _check_adjacent(text, before, token, after)
     elif before.text in FUNCTIONS:
-        _fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...)")
+        fail(text, before, before, f"{before.text} has no argument", f"write {before.text}(...)")
     elif not _ends_operand(before) and not _starts_operand(token) and token.text not in ("+", "-"):
         _check_missing(text, before, token)
 
@@ -242,8 +207,8 @@ def _starts_operand(token: Token) -> bool:
 
 def _check_dot(text: str, before: Token, dot: Token, after: Token) -> None:
     if before.category == "name" and after.category == "name":
-        _fail(text, before, after, *_no_module(after.text))
-    _fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
+        fail(text, before, after, *_no_module(after.text))
+    fail(text, before, after, "this point belongs to no number", "write a number as 0.5")
 
 
 def _no_module(name: str) -> tuple[str, str]:
@@ -256,19 +221,21 @@ def _check_subscript(text: str, before: Token, bracket: Token, after: Token) -> 
     inside = text[bracket.stop : close].strip()
     if before.category != "name":
         remedy = "write ( ) to group, and an end of time after each name in it: x[final]"
-        _fail(text, bracket, after, "[ ] stands after a name only", remedy)
+        fail(text, bracket, after, "[ ] stands after a name only", remedy)
     if inside == DURATION and before.text.rpartition(".")[2] == "t":
         return
     if inside not in (*ENDS, RATE):
         last = Token("operator", "]", close, close + 1)
         if before.text != "t" and (end := end_meant(inside)):
-            _fail(text, before, last, "an end of time is called initial or final", f"write {end.format(before.text)}")
+            component = f"; for a component make {before.text} a vector, by size: 3" if inside.isdigit() else ""
+            remedy = f"write {end.format(before.text)}{component}"
+            fail(text, before, last, "an end of time is called initial or final", remedy)
         if lack := at_another_time(before.text, inside):
-            _fail(text, before, last, *lack)
+            fail(text, before, last, *lack)
         if inside == DURATION:
-            _fail(text, before, last, "only the time has a duration: t[duration]", f"write {before.text}[final]")
+            fail(text, before, last, "only the time has a duration: t[duration]", f"write {before.text}[final]")
         what = "[ ] only marks the value at an end of time, or the rate of an implicit state"
-        _fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
+        fail(text, before, last, what, f"write {before.text}[initial] or {before.text}[final]")
 
 
 def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> None:
@@ -279,62 +246,49 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
         return
     if before.text in FUNCTIONS:
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
-        _fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
+        fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     if before.category == "number" and token.category == "name":
         _check_number(text, before, token)
     tail = "(...)" if token.text == "(" else token.text
     if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"
     head = before.text if before.text not in (")", "]") else "..." + before.text
-    _fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
+    fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
 
 
 def _check_number(text: str, number: Token, name: Token) -> None:
     """A number that goes on in letters, as other languages write it, or that has a unit."""
     if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
         plain = (number.text + name.text).replace("_", "")
-        _fail(text, number, name, "there is no _ in a number", f"write {plain}")
+        fail(text, number, name, "there is no _ in a number", f"write {plain}")
     if number.stop == name.start and (exponent := re.match(r"[dD]([-+]?\d+)", text[name.start :])):
         last = Token("number", "", name.start, name.start + exponent.end())
-        _fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
+        fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
     if name.text in ("deg", "degs", "degree", "degrees"):
-        _fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
+        fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
 
 
 def _check_call(text: str, name: Token, bracket: Token) -> None:
     """A call of something that is not one of the functions."""
-    last = _closing(text, bracket)
+    last = closing(text, bracket)
     argument = shorten(text[bracket.stop : last.start].strip(), 40)
     if name.text in ALIASES:
         remedy = f"write {ALIASES[name.text].format(argument)}"
-        _fail(text, name, last, f"there is no function {name.text}", remedy)
+        fail(text, name, last, f"there is no function {name.text}", remedy)
     if lack := at_another_time(name.text, argument):
-        _fail(text, name, last, *lack)
+        fail(text, name, last, *lack)
     if nearest(name.text, FUNCTIONS):
-        _fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, FUNCTIONS))
+        fail(text, name, last, f"there is no function {name.text}", did_you_mean(name.text, FUNCTIONS))
     known = f"the functions are {' '.join(smooth_names())}"
-    _fail(text, name, last, f"{name.text} is not a function", f"write {name.text}*(...) for a product; {known}")
-
-
-def _closing(text: str, bracket: Token) -> Token:
-    """The partner of an opening parenthesis; the end of the text if it has none."""
-    depth = 0
-    for i in range(bracket.start, len(text)):
-        if text[i] == "(":
-            depth += 1
-        elif text[i] == ")":
-            depth -= 1
-        if depth == 0:
-            return Token("operator", ")", i, i + 1)
-    return Token("end", "", len(text), len(text))
+    fail(text, name, last, f"{name.text} is not a function", f"write {name.text}*(...) for a product; {known}")
 
 
 def _check_missing(text: str, before: Token, token: Token) -> None:
     """An operator without its operand."""
     if before.category == "end":
-        _fail(text, token, token, f"the expression starts with {token.text}", "write what stands before it")
+        fail(text, token, token, f"the expression starts with {token.text}", "write what stands before it")
     if token.category == "end":
-        _fail(text, before, before, f"the expression ends with {before.text}", "write what stands after it")
+        fail(text, before, before, f"the expression ends with {before.text}", "write what stands after it")
     if before.text + token.text == "()":
-        _fail(text, before, token, "there is nothing between the parentheses", "write a value between them")
-    _fail(text, before, token, f"a value is missing between {before.text} and {token.text}", "write it or remove one")
+        fail(text, before, token, "there is nothing between the parentheses", "write a value between them")
+    fail(text, before, token, f"a value is missing between {before.text} and {token.text}", "write it or remove one")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from ..problem import Function
+from ..quantities import Function
 from .expression import Expression
 from .functions import is_inconsistent
 from .tree import External, Lookup, Node, Operation, below, leaves, nodes

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 from ..text import excerpt, shorten
 from .delays import delayed
 from .functions import FUNCTIONS, smooth_names
-from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, ExpressionError, check_syntax
+from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, check_syntax
+from .tokens import ExpressionError
 
 
 @dataclass(frozen=True, slots=True)

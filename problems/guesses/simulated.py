@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..names.symbols import Symbols
-from ..problem import Function, Phase
+from ..problem import Phase
+from ..quantities import Function
 from ..schema.spec import Spec
 
 POINTS = 101

@@ -14,7 +14,8 @@ from math import isclose
 from typing import Any, NamedTuple
 
 from ..expressions.expression import parse
-from ..expressions.slips import MAX_LENGTH, ExpressionError
+from ..expressions.slips import MAX_LENGTH
+from ..expressions.tokens import ExpressionError
 from ..expressions.tree import leaves
 from ..text import brief, did_you_mean
 from ..yaml.document import MAX_NODES, Path, in_words
@@ -44,7 +45,9 @@ class Expanded(NamedTuple):
     counted: frozenset[str]
 
 
-class _Mistaken(Exception):  # noqa: N818 - it ends the expansion of one template
+class Mistaken(Exception):  # noqa: N818 - it ends the writing out of one entry
+    """What is wrong with an entry or a text, and the remedy."""
+
     def __init__(self, what: str, remedy: str):
         self.what, self.remedy = what, remedy
         super().__init__(what)
@@ -68,7 +71,7 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     data: as the file has them, overridden parameters in them.
     lines: path of each key and item -> its line.
     """
-    expander = _Expander(lines, _whole_numbers(data.get("parameters")))
+    expander = _Expander(lines, whole_numbers(data.get("parameters")))
     new = expander.mapping(data, (), (), {})
     texts = " ".join(_texts(data))
     counted = expander.numbers.keys() & {*_NAME.findall(texts)}
@@ -90,7 +93,7 @@ def _texts(node: Any) -> Iterator[str]:
             yield from _texts(value)
 
 
-def _whole_numbers(parameters: Any) -> dict[str, int | str]:
+def whole_numbers(parameters: Any) -> dict[str, int | str]:
     """The parameters of a file that are whole numbers: what a range may depend on."""
     found: dict[str, int | str] = {}
     for name, entry in parameters.items() if isinstance(parameters, dict) else ():
@@ -178,7 +181,7 @@ class _Expander:
             {**own, name: value} for own in so_far for name, value in _pairs(loop, own, self.numbers)
         ]
         if len(found) > MOST or self.made + len(found) > MAX_NODES:
-            raise _Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
+            raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
         return found
 
     def _text(self, text: str, values: Values) -> str:
@@ -193,13 +196,13 @@ class _Expander:
             text = f"{text[: found.start()]}({' + '.join(terms) or '0'}){text[stop + 1 :]}"
             if len(text) > MAX_LENGTH:
                 what = f"written out, this sum has more than {MAX_LENGTH} characters"
-                raise _Mistaken(what, "name its terms under expressions:, or make the range shorter")
+                raise Mistaken(what, "name its terms under expressions:, or make the range shorter")
         return _filled(text, values, self.numbers)
 
     def _or_told(self, place: Path, default: Any, work: Any) -> Any:
         try:
             return work()
-        except _Mistaken as mistake:
+        except Mistaken as mistake:
             self.findings.append(Finding(place, mistake.what, mistake.remedy))
             return default
 
@@ -218,23 +221,23 @@ def _pairs(loop: Any, values: Values, numbers: Values) -> Iterator[tuple[str, in
     match = _LOOP.fullmatch(loop) if isinstance(loop, str) else None
     if match is None:
         what = f"{in_words(loop)} says not what is repeated"
-        raise _Mistaken(what, "write a name and a range, i in 1..20, or a name and words, leg in left, right")
+        raise Mistaken(what, "write a name and a range, i in 1..20, or a name and words, leg in left, right")
     name, over = match.groups()
     if name in values or name in numbers:
         what = f"{name} is {'a parameter' if name in numbers else 'the variable of another loop'} already"
-        raise _Mistaken(what, "give the variable another name")
+        raise Mistaken(what, "give the variable another name")
     first, dots, last = over.partition("..")
     if dots:
-        ends = [_whole(end, values, numbers) for end in (first, last)]
+        ends = [whole(end, values, numbers) for end in (first, last)]
         if ends[1] - ends[0] > MOST:
-            raise _Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
+            raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
         yield from ((name, value) for value in range(ends[0], ends[1] + 1))
         return
     words = [word.strip() for word in over.strip("[]").split(",")]
     for word in words:
         if not _WORD.fullmatch(word):
             what = f'"{brief(over)}" is neither a range nor a list of words'
-            raise _Mistaken(what, "write two ends, 1..20, or words with commas between them")
+            raise Mistaken(what, "write two ends, 1..20, or words with commas between them")
         yield name, int(word) if word.isdigit() else word
 
 
@@ -245,26 +248,31 @@ def _filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> 
         inside = braces[1].strip()
         if not of_all and not {*_NAME.findall(inside)} <= {*values, *numbers}:
             return braces[0]
-        return str(values[inside] if inside in values else _whole(inside, values, numbers))
+        return str(values[inside] if inside in values else whole(inside, values, numbers))
 
     return _BRACES.sub(instead, text)
 
 
-def _whole(text: str, values: Values, numbers: Values) -> int:
-    """The whole number that an expression of variables and parameters is."""
+def whole(text: str, values: Values, numbers: Values) -> int:
+    """The whole number that an expression is. Raises Mistaken if it is none.
+
+    text: the expression.
+    values: of the variables of loops.
+    numbers: parameters that are whole numbers.
+    """
     try:
         expression = parse(text)
     except ExpressionError as error:
-        raise _Mistaken(error.what, error.remedy) from error
+        raise Mistaken(error.what, error.remedy) from error
     known = {**numbers, **values}
     for leaf in leaves(expression.root):
         if not isinstance(known.get(leaf.name), int):
             what = f"{leaf.name} is {'a word' if leaf.name in known else 'no variable of a loop'}"
             otherwise = "name a variable of the loop, or a parameter that is a whole number"
-            raise _Mistaken(f'"{brief(text)}": {what}', did_you_mean(leaf.name, known, otherwise))
+            raise Mistaken(f'"{brief(text)}": {what}', did_you_mean(leaf.name, known, otherwise))
     value = expression.bind({name: float(own) for name, own in known.items() if isinstance(own, int)}, {}).constant()
     if not isclose(value, round(value), abs_tol=1e-9):
-        raise _Mistaken(f'"{brief(text)}" is {value:g}, no whole number', "change it")
+        raise Mistaken(f'"{brief(text)}" is {value:g}, no whole number', "change it")
     return round(value)
 
 
@@ -279,4 +287,4 @@ def _closing(text: str, start: int) -> tuple[int, int]:
             return i, comma
         if depth == 1 and text[i] == "," and comma < 0:
             comma = i
-    raise _Mistaken(f'the sum "{brief(text[start:])}" is not complete', "write sum(i in 1..20, x{i}**2)")
+    raise Mistaken(f'the sum "{brief(text[start:])}" is not complete', "write sum(i in 1..20, x{i}**2)")

@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..problem import Numeric, Range
+from ..quantities import Numeric, Range
 from .model import Equations, Model, Quantity
 
 LINKS = (1, 2, 3, 4, 5)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..problem import Function, Range
+from ..quantities import Function, Range
 
 
 @dataclass(frozen=True)

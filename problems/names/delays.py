@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..expressions.delays import Delay, delay_of
 from ..expressions.expression import Expression, parse
 from ..expressions.functions import FUNCTIONS
-from ..expressions.slips import ExpressionError
+from ..expressions.tokens import ExpressionError
 from ..expressions.tree import Chain, Node, leaves
 from ..text import did_you_mean
 from ..yaml.document import Path

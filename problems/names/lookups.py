@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Lookup, Name, Node, nodes, skeleton
-from ..problem import Function, Phase, Range
+from ..problem import Phase
+from ..quantities import Function, Range
 from ..schema.spec import Spec
 from ..tables.choices import ERROR
 from ..text import excerpt

@@ -12,7 +12,7 @@ from ..expressions.given import Given, given
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
-from ..problem import Function, Range
+from ..quantities import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import did_you_mean, shorten

@@ -6,7 +6,8 @@ from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain, count
 
-from ..problem import Constraint, Function, Phase, Range, State
+from ..problem import Phase
+from ..quantities import Constraint, Function, Range, State
 from .lookups import Kept, kept
 
 

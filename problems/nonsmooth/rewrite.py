@@ -22,7 +22,7 @@ from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
 from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names, uses
 from ..names.symbols import Symbols
-from ..problem import Range, Variable
+from ..quantities import Range, Variable
 from ..schema.sections import Nonsmooth
 from ..schema.spec import Spec
 from ..text import excerpt

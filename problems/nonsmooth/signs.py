@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs
 from ..expressions.tree import Chain, Name, Node, Operation, below
-from ..problem import Range
+from ..quantities import Range
 
 
 def product_of_signs(a: Signs, b: Signs) -> Signs:

@@ -16,7 +16,7 @@ from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
 from ..names.symbols import INTEGRAL, Symbols, no_value, range_of
-from ..problem import Range
+from ..quantities import Range
 from ..schema.fields import Bounded
 from ..text import did_you_mean
 from ..yaml.document import Path

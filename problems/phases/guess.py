@@ -16,7 +16,8 @@ import numpy as np
 from ..guess import middle
 from ..guesses.rows import Row, Span, combined, rows_of
 from ..names.symbols import Symbols
-from ..problem import Phase, Range
+from ..problem import Phase
+from ..quantities import Range
 from ..schema.spec import Spec
 from .order import Passage, goes_on_in_time, passages
 

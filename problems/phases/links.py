@@ -9,7 +9,8 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Chain, Link, Name
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
-from ..problem import Constraint, Function, Phase, Range
+from ..problem import Phase
+from ..quantities import Constraint, Function, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, own_entries, passages

@@ -21,7 +21,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
-from ..expressions.slips import ExpressionError
+from ..expressions.tokens import ExpressionError
 from ..text import unprintable
 from ..yaml.document import in_words, scalar
 

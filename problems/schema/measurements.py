@@ -55,6 +55,7 @@ class MeasuredEntry(Entry):
         description="column -> expression of t, states and parameters that it measures; default: the columns that are "
         "named as a state or an expression, with that",
     )
+    units: dict[str, Text] = Field({}, description="column -> its unit, a text; also that of time")
     deviations: Exactness | None = Field(
         None, description="standard deviation of the values: a number, the name of a column, or these by column"
     )

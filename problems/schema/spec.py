@@ -309,6 +309,24 @@ def _with_templates(node: Any, whole: bool = False) -> None:
         node["patternProperties"] = {"^for ": {"type": "object"}}
 
 
+def _with_vectors(result: dict[str, Any]) -> None:
+    """Let names be vectors, see `vectors.write_out`: they have a size, and values are lists as well as expressions."""
+    for kind in ("State", "Control", "Algebraic", "Static"):
+        description = "of a vector: the number of its components, or rows and columns, [3, 3]"
+        result["$defs"][kind]["properties"]["size"] = {
+            "type": ["integer", "string", "array"],
+            "description": description,
+        }
+    waiting: list[Any] = [result]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, dict) and node.get("type") == ["number", "string"]:
+            node |= {"type": ["number", "string", "array"], "minItems": 1}
+        if isinstance(node, dict) and node.get("type") == "array" and node.get("maxItems") == 2:  # a point of a drawing
+            node["type"] = ["array", "string"]
+        waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+
+
 def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
     """JSON Schema of a problem file, for editors; `methods` are the names that a mesh entry may give."""
     result = {
@@ -316,6 +334,7 @@ def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
         **Spec.model_json_schema(schema_generator=_Definitions),
     }
     _with_templates(result, whole=True)
+    _with_vectors(result)
     if methods:
         result["$defs"]["Mesh"]["properties"]["method"]["enum"] = list(methods)
     return result

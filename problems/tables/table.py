@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..problem import Range
+from ..quantities import Range
 from ..text import short_repr
 from .choices import ERROR, HOLD
 from .fits import ORDER, fit_of

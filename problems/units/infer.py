@@ -88,7 +88,11 @@ class Reader:
 
     def clash(self, path: Path, what: str, given: Measure, wanted: Measure) -> None:
         """Add the finding that something is in one unit, and should be in another."""
-        self.findings.append(Finding(path, what, mended(given, wanted)))
+        self.add(path, what, mended(given, wanted))
+
+    def add(self, path: Path, what: str, remedy: str) -> None:
+        """Add a finding."""
+        self.findings.append(Finding(path, what, remedy))
 
 
 class _Walk:

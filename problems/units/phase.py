@@ -16,6 +16,7 @@ from ..names.variables import DeclaredState
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
+from .columns import sum_of_squares
 from .infer import Reader, Tables, Value
 from .measure import Measure, measured, pure, same
 
@@ -147,7 +148,7 @@ class PhaseUnits:
             assert delay is not None
             self.reader.agree(own.path, parse(delay.lag), self.time, f"what is taken from t in {own.name} is")
         for use in uses(self.spec):
-            if use.path[0] == "residuals":
+            if use.path[0] in ("residuals", "complementarity"):
                 self.reader.read(use.path, use.expression)
         for path, constraint in constraints(self.spec):
             value = self.reader.read((*path, "expression"), constraint.expression)
@@ -172,6 +173,9 @@ class PhaseUnits:
             yield Term((*path, "integral"), self._over_time(value))
         if terms.terminal is not None:
             yield Term((*path, "terminal"), self.reader.read((*path, "terminal"), terms.terminal))
+        for name, entry in self.spec.measurements.items():
+            found = sum_of_squares(name, entry, self.symbols, self.time, self.unit, self.reader)
+            yield from (Term(*term) for term in found)
 
     def _over_time(self, value: Value) -> Measure | None:
         return value.times(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None

@@ -27,6 +27,7 @@ class Locations:
 
     blocks: path of a text that goes on below its key -> its lines, each with its number.
     short: path of what was written out from a short form -> the path at which that stands.
+    made: path of a component of a vector, before short forms were written out -> that of the vector.
     """
 
     file: str
@@ -34,10 +35,16 @@ class Locations:
     overrides: Mapping[Path, str] = field(default_factory=dict)
     blocks: Mapping[Path, Sequence[tuple[int, str]]] = field(default_factory=dict)
     short: Mapping[Path, Path] = field(default_factory=dict)
+    made: Mapping[Path, Path] = field(default_factory=dict)
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
-        """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read."""
-        written = (finding._replace(path=self.as_written(finding.path)) for finding in findings)
+        """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read.
+
+        Of one text that several components of a vector have, what is said of the first.
+        """
+        first: dict[Path, Path] = {}
+        paths = [(finding, self.as_written(finding.path)) for finding in findings]
+        written = [own._replace(path=path) for own, path in paths if first.setdefault(path, own.path) == own.path]
         ordered = sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path))
         located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
@@ -54,9 +61,9 @@ class Locations:
 
     def as_written(self, path: Path) -> Path:
         """A path in the file as it was written, short forms and all."""
-        for n in range(len(path), 0, -1):
-            if path[:n] in self.short:
-                return (*self.short[path[:n]], *path[n:])
+        for origins in (self.short, self.made):
+            given = next((n for n in range(len(path), 0, -1) if path[:n] in origins), 0)
+            path = (*origins[path[:given]], *path[given:]) if given else path
         return path
 
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:

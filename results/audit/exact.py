@@ -5,6 +5,7 @@ Multipliers   With H_k = w + lambda[k + 1] f + nu g, f the change in a step, dH_
 
                   lambda[k] = lambda[k + 1] + dH_k/dx            (the costate equation of discrete time)
 
+              to which x(t - m) adds dH_{k + m}/dx(t - m),
               and lambda goes on from each step to the next, but for the multipliers of bounds of the states between.
 
               Without time, L = f + y g has no slope in any static parameter, but for the multipliers of its bounds. No
@@ -21,9 +22,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...transcription.solution.multipliers import Multipliers
+from ...transcription.solution.multipliers import ACTS, Multipliers
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.structure.prices import ACTS
 from ..file.reload import Reloaded
 from .check import ENGINE, Check, at
 from .optimality import COMPLEX_STEP, Hamiltonian, stationarity
@@ -78,6 +78,7 @@ def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance
     slopes = np.stack(
         [hamiltonian.derivative(hamiltonian.lagrangian, values, x.name) for x in hamiltonian.phase.states]
     )
+    slopes += _asked_later(hamiltonian, values)
     before, after = (sense * trajectory.costate[:, mesh.offset + k] for k in (0, 1))
     scale = float(np.abs([before, after]).max()) or 1.0
     left = ENGINE * result.records[-1].tolerance
@@ -89,6 +90,17 @@ def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance
     k = int(np.argmax(apart.max(axis=0)))
     yield Check("costate equation, relative", float(apart[:, k].max()), SHARP, at(values["t"][k]))
     yield from stationarity(result, hamiltonian, values, 0 * slopes, claimed, tolerance)
+
+
+def _asked_later(hamiltonian: Hamiltonian, values: dict[str, np.ndarray]) -> np.ndarray:
+    """dH_{k + m}/dx(t - m), shape (n, N): what the state at step k is worth to the step m later that asks for it."""
+    names = [state.name for state in hamiltonian.phase.states]
+    found = np.zeros((len(names), len(values["t"])))
+    for own in hamiltonian.phase.delayed:
+        m = min(round(own.lag), found.shape[1])
+        slope = hamiltonian.derivative(hamiltonian.lagrangian, values, own.name)
+        found[names.index(own.state), : found.shape[1] - m] += slope[m:]
+    return found
 
 
 def static_optimality(result: Reloaded, number: int) -> Iterator[Check]:

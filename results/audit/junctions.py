@@ -12,7 +12,8 @@ import numpy as np
 
 from ...problems.phases.links import DURATION
 from ...problems.probe import names_asked
-from ...problems.problem import Phase, Range
+from ...problems.problem import Phase
+from ...problems.quantities import Range
 from ...transcription.constraint_kinds import LINK
 from ..file.reload import Reloaded
 from .check import Check, at

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Function, Phase, Range
+from ...problems.problem import Phase
+from ...problems.quantities import Function, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
 from ...transcription.measured.knots import knots_at, measured_fractions
 from ..file.reload import Reloaded

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...problems.problem import Delayed
+from ...problems.quantities import Delayed
 from ...transcription.solution.trajectory import Trajectory
 
 LATE = 1e-12

@@ -57,6 +57,11 @@ def open_result(source: Path | bytes, layout: Group = RESULT) -> Iterator[h5py.F
             raise FileError(Mistake(str(path), "its values cannot be read", DAMAGED)) from error
 
 
+def hdf5_version() -> str:
+    """Of the library that reads and writes results."""
+    return str(h5py.version.hdf5_version)
+
+
 def head_of(path: Path) -> dict[str, Any]:
     """Whose result a file is, "problem", and whether it is a solution, "solved"; nothing if it is no result."""
     try:

@@ -178,6 +178,18 @@ ESTIMATES = Group(
 )
 """Parameters that were estimated from measurements."""
 
+_ARC = (Size("arcs"),)
+
+ARCS = Group(
+    {
+        "arc": Array(WHOLE, _ARC),
+        **dict.fromkeys(("start", "end", "bound"), Array(NUMBER, _ARC)),
+        **dict.fromkeys(("name", "kind", "on", "by"), Array(TEXT, _ARC)),
+    },
+    optional=True,  # where something is on a bound; older results have none
+)
+"""When a phase is on which of its bounds."""
+
 PHASE = Group({
     "knots": Array(NUMBER, (KNOTS,), ordered="times"),
     "knot": Array(NUMBER, (KNOTS,), optional=True),  # a dimension without values, which older results lack
@@ -202,6 +214,7 @@ PHASE = Group({
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
     "price": Each(Array(NUMBER), optional=True),  # older results have none
+    "arcs": ARCS,
     "complementarity": Each(
         Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
         names="pairs",

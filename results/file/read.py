@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from ...problems.problem import Phase, Problem, Range
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Range
 from ...problems.text import printable, short_repr
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem

@@ -220,11 +220,26 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
         "prices": {name: value[()] for name, value in group.get("price", {}).items()},
+        "arcs": _arcs(group),
         "complementarity": {
             name: {key: own[key][()] for key in ("product", "time", "allowed")}
             for name, own in group.get("complementarity", {}).items()
         },
     }
+
+
+def _arcs(group: h5py.Group) -> list[dict[str, Any]]:
+    """Each quantity that is on a bound somewhere, with its arcs one after the other."""
+    if "arcs" not in group:
+        return []
+    own = group["arcs"]
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    numbers, words = ("start", "end", "bound"), ("on", "by")
+    columns = {key: own[key][:] for key in numbers} | {key: own[key].asstr()[:] for key in (*words, "name", "kind")}
+    for k, (kind, name) in enumerate(zip(columns["kind"], columns["name"], strict=True)):
+        arcs = found.setdefault((kind, name), {"name": name, "kind": kind, "arcs": []})["arcs"]
+        arcs.append({key: columns[key][k] for key in (*numbers, *words)})
+    return list(found.values())
 
 
 def _estimates(file: h5py.File) -> dict[str, Any] | None:

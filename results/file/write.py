@@ -20,6 +20,8 @@
                                objective (segment), the parts of objective_error
         parameter/<name>       scalar, optimised static parameters
         price/<name>           scalar, the change of the objective with the bound of a constraint that holds once
+        arcs/                  arc, and over it name and kind (control, state, path), start, end, on (lower, upper,
+                               inside), bound, by (singular, or held by NAME; of controls inside their bounds)
         complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
         measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
                                with expression, that of the model
@@ -71,7 +73,7 @@ from ...problems.files import check_not_protected, check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured
-from .write_phase import write_exactness, write_parameters, write_phase, write_prices
+from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -176,6 +178,8 @@ def image_of(
             write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
             if solution.prices and solution.prices[number]:
                 write_prices(group_of(group, "price"), solution.prices[number])
+            if solution.arcs and solution.arcs[number]:
+                write_arcs(group_of(group, "arcs"), solution.arcs[number], trajectory.phase.time_unit)
             write_exactness(group_of(group, "complementarity"), trajectory)
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)

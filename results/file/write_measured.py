@@ -11,7 +11,7 @@ from .arrays import array_of, group_of, scale_of
 
 if TYPE_CHECKING:
     from ...problems.problem import Problem
-    from ...transcription.measured.estimates import Estimates
+    from ...transcription.measured.estimated import Estimates
     from ...transcription.solution.trajectory import Trajectory
 
 

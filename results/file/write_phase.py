@@ -11,7 +11,9 @@ import numpy as np
 from .arrays import array_of, dimension_of, group_of, scale_of, texts
 
 if TYPE_CHECKING:
-    from ...problems.problem import Phase, Problem, Variable
+    from ...problems.problem import Phase, Problem
+    from ...problems.quantities import Variable
+    from ...transcription.arcs import Course
     from ...transcription.solution.error import ErrorProfile
     from ...transcription.solution.trajectory import Trajectory
 
@@ -77,6 +79,24 @@ def write_prices(group: h5py.Group, prices: Mapping[str, float]) -> None:
     """
     for name, value in prices.items():
         array_of(group, name, value, [], f"change of the objective with the bound of {name}")
+
+
+def write_arcs(group: h5py.Group, arcs: Sequence[Course], unit: str) -> None:
+    """Write when each bounded control, state and path constraint is on which bound: a row for each arc.
+
+    group: of the arcs of one phase, empty.
+    arcs: of the phase, of at least one quantity.
+    unit: of time.
+    """
+    rows = [(course, arc) for course in arcs for arc in course.arcs]
+    number = scale_of(group, "arc", np.arange(len(rows)), "number of the arc, from 0")
+    for name, long_name in (("start", "time at which it starts"), ("end", "time at which it ends")):
+        array_of(group, name, [getattr(arc, name) for _, arc in rows], [number], long_name, unit=unit)
+    array_of(group, "bound", [course.bound(arc) for course, arc in rows], [number], "the bound, NaN inside of both")
+    array_of(group, "name", texts(course.name for course, _ in rows), [number], "what it is an arc of")
+    array_of(group, "kind", texts(course.kind for course, _ in rows), [number], "control, state or path")
+    array_of(group, "on", texts(arc.on for _, arc in rows), [number], "lower, upper or inside")
+    array_of(group, "by", texts(arc.by for _, arc in rows), [number], "what determines a control inside its bounds")
 
 
 def write_exactness(group: h5py.Group, trajectory: Trajectory) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,9 +17,10 @@ from PIL import Image
 
 from ...problems.drawings.drawing import drawings_of
 from ...problems.drawings.shapes import WHOLE, Circle, Ground, Polyline, Rectangle, Shape
-from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.errors import Mistake, SpecError
 from ...problems.files import replacing
 from ..file.read import PhaseCurves, Result
+from .film import write_film
 from .style import (
     BLACK,
     COLOURS,
@@ -43,7 +42,6 @@ SHOWN = ("state", "control", "algebraic")
 
 TRACE_POINTS = 400
 FILM_DPI = 100
-LAST_FRAME = 0.8  # seconds that a film rests on its last frame before it begins again
 LARGEST, SMALLEST = (6.0, 5.5), (3.0, 1.0)  # inches: width and height of the panel
 MARGIN = 0.06  # around what is drawn, part of its longer side
 
@@ -258,13 +256,12 @@ def animate(result: Result, path: Path, frames: int, fps: int) -> None:
 
     Raises SpecError as `scene` does, or for a .mp4 where there is no ffmpeg; FileError if it cannot be written.
     """
-    encode = {".gif": _write_gif, ".mp4": _write_mp4}[path.suffix.lower()]
     with look():
         stage = scene(result)
         figure, ax = _canvas(stage, result.problem)
         figure.set_dpi(FILM_DPI)
         with replacing(path) as temporary:
-            encode(temporary, _film(stage, figure, ax, frames), fps, mark(result.problem))
+            write_film(temporary, path.suffix.lower(), _film(stage, figure, ax, frames), fps, mark(result.problem))
 
 
 def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image.Image]:
@@ -289,55 +286,3 @@ def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image
         yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
         for artist in shapes:
             artist.remove()
-
-
-def _write_gif(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
-    *rest, last = pictures
-    counted: list[tuple[int, Any]] = sorted(last.getcolors(last.width * last.height) or [], reverse=True)
-    palette = np.array([colour for _, colour in counted[:256]], int)  # the last picture has all the colours that matter
-    first, *others = map(_indexer(palette), (*rest, last))
-    delays = [round(1000 / fps)] * len(rest) + [round(1000 * LAST_FRAME)]
-    comment = "; ".join(f"{key}: {value}" for key, value in about.items()).encode()[:255]
-    first.save(path, "GIF", save_all=True, append_images=others, duration=delays, loop=0, comment=comment)
-
-
-def _indexer(palette: np.ndarray) -> Callable[[Image.Image], Image.Image]:
-    """A function that puts pictures into the colours of the palette, shape (P, 3): the same, or else the nearest.
-
-    Pillow's own conversion is coarser: it turns white to grey.
-    """
-    place = np.array([1 << 16, 1 << 8, 1])
-    known = np.full(1 << 24, -1, np.int16)  # number of each colour in the palette, filled as colours come
-
-    def indexed(picture: Image.Image) -> Image.Image:
-        codes = np.asarray(picture, np.int32) @ place
-        new = np.unique(codes[known[codes] < 0])
-        distance = (((new[:, None] // place % 256)[:, None] - palette) ** 2).sum(axis=-1)
-        known[new] = distance.argmin(axis=1) if len(new) else 0
-        result = Image.fromarray(known[codes].astype(np.uint8), "P")
-        result.putpalette(palette.ravel().tolist())
-        return result
-
-    return indexed
-
-
-def check_film(path: Path) -> None:
-    """Refuse, before any work is done, a .mp4 where there is no ffmpeg. Raises SpecError."""
-    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
-        what = "MP4 films need the program ffmpeg, which is not installed"
-        raise SpecError(Mistake(str(path), what, "install ffmpeg, or give a name that ends with .gif"))
-
-
-def _write_mp4(path: Path, pictures: Iterator[Image.Image], fps: int, about: Mapping[str, str]) -> None:
-    check_film(path)
-    shown = list(pictures)
-    shown += shown[-1:] * round(LAST_FRAME * fps)
-    width, height = (2 * (side // 2) for side in shown[0].size)  # the codec wants even numbers
-    raw = b"".join(picture.crop((0, 0, width, height)).tobytes() for picture in shown)
-    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
-    command += ["-r", str(fps), "-i", "-", "-pix_fmt", "yuv420p", "-metadata", f"comment=Software: {about['Software']}"]
-    command += ["-metadata", f"title={about['Title']}", str(path)]
-    done = subprocess.run(command, input=raw, capture_output=True, check=False)
-    if done.returncode:
-        reason = (done.stderr.decode(errors="replace").strip().splitlines() or ["without a reason"])[-1]
-        raise FileError(Mistake(str(path), f"ffmpeg failed ({reason})", "give a name that ends with .gif"))

@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...problems.problem import Constraint, Phase, Problem, Range, Variable
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Constraint, Range, Variable
 from ..file.read import Result
 from .plots import finish
 from .style import BLACK, GREY, VERMILION, Frame, Numbers, labelled, legend, look

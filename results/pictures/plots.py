@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.problem import TOLERATED_EXCESS, Range
+from ...problems.quantities import TOLERATED_EXCESS, Range
 from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result, bounds_beside, extent
 from .style import (
     BLACK,

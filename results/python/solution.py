@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
-from ...problems.problem import Variable
+from ...problems.quantities import Variable
 from ...problems.text import did_you_mean, shorten, tidy
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Sample, Trajectory

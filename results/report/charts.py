@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result, bounds_beside
 
 Chart = dict[str, Any]

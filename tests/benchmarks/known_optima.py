@@ -12,7 +12,8 @@ from scipy.optimize import brentq, minimize_scalar
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.problems.problem import Guess, Phase, Problem, Range, State, Variable
+from trajopt.problems.problem import Guess, Phase, Problem
+from trajopt.problems.quantities import Range, State, Variable
 
 
 @dataclass(frozen=True)

@@ -198,3 +198,33 @@ def test_a_mistaken_expression_that_is_measured_is_told_once():
     with pytest.raises(SpecError) as error:
         load_text(STARTED.replace("signal: c*x", "signal: c*y"), "x.yaml")
     assert [mistake.what for mistake in error.value.mistakes] == ['unknown name "y"']
+
+
+DECAY = """
+trajopt: 1
+time: {initial: 0, final: FINAL}
+states: {x: {rate: -k*x, initial: 1}}
+optimize: {k: {lower: 0}}
+measurements: {m: {data: {time: [0, T1, T2, FINAL], x: [1.02, 0.66, 0.45, 0.27]}}}
+"""
+
+
+@pytest.mark.parametrize("unit", [60.0, 3.6e3, 1e6])
+def test_standard_errors_do_not_depend_on_the_unit_of_time(unit):
+    """A rate constant of 4e-7 is not on its bound of 0 because it is small."""
+    found = {}
+    for factor in (1.0, unit):
+        text = DECAY.replace("FINAL", repr(3 * factor)).replace("T1", repr(factor)).replace("T2", repr(2 * factor))
+        found[factor] = estimates_of(text)
+    one, other = found.values()
+    assert other.values[0] * unit == pytest.approx(one.values[0], rel=1e-6)
+    assert other.deviations[0] * unit == pytest.approx(one.deviations[0], rel=1e-3)
+    assert one.free == other.free == 1
+
+
+def test_a_rate_constant_that_is_on_its_bound_is_so_in_every_unit():
+    grows = DECAY.replace("0.66, 0.45, 0.27", "1.1, 1.2, 1.3")
+    for factor in (1.0, 1e6):
+        text = grows.replace("FINAL", repr(3 * factor)).replace("T1", repr(factor)).replace("T2", repr(2 * factor))
+        found = estimates_of(text)
+        assert np.isnan(found.deviations).all() and found.free == 0

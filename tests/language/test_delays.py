@@ -175,3 +175,39 @@ def test_the_delay_of_a_velocity_has_its_history():
     )
     lines = [line for line in second.splitlines() if not line.startswith("  w: ")]
     assert trajopt.solve(trajopt.load("\n".join(lines))).objective == pytest.approx(2.5257246889, abs=1e-8)
+
+
+STEPS = """\
+trajopt: 1
+time: {initial: 0, final: 10}
+states:
+  x: {next: "x + u + 0.3*x(t - 2) - 0.1*x(t - 1)*x(t - 3)", initial: 3, history: cos(t)}
+controls: {u: {lower: -1, upper: 1}}
+objective: {minimize: {sum: u**2 + x**2}}
+"""
+WRITTEN_OUT = """\
+trajopt: 1
+time: {initial: 0, final: 10}
+states:
+  x: {next: "x + u + 0.3*b - 0.1*a*c", initial: 3}
+  a: {next: x, initial: cos(-1)}
+  b: {next: a, initial: cos(-2)}
+  c: {next: b, initial: cos(-3)}
+controls: {u: {lower: -1, upper: 1}}
+objective: {minimize: {sum: u**2 + x**2}}
+"""
+
+
+def test_in_discrete_time_a_delay_is_a_chain_of_states(tmp_path):
+    late, chain = (trajopt.solve(trajopt.load(own)) for own in (STEPS, WRITTEN_OUT))
+    assert late.objective == pytest.approx(chain.objective, rel=1e-9)
+    assert late.costate["x"].values == pytest.approx(chain.costate["x"].values, abs=1e-7)
+    late.save(tmp_path / "late.h5")
+    told = run("verify", tmp_path / "late.h5")
+    assert told.exit_code == 0 and "costate equation" in told.stdout
+
+
+@pytest.mark.parametrize("lag", ["1.5", "0.5", "2*1.25"])
+def test_in_discrete_time_a_delay_is_a_whole_number(lag):
+    with pytest.raises(SpecError, match=r"a state has values at whole steps, and the delay is [\d.]+; make it \d"):
+        load_yaml(STEPS.replace("x(t - 2)", f"x(t - {lag})"))

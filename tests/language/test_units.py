@@ -193,3 +193,73 @@ def test_the_command_line_tells_it_and_solve_does_not_ask(tmp_path):
     assert told.exit_code == 2 and "block.yaml:5: states.v.rate: the rate of v is in m/s^2" in told.stderr
     assert trajopt("check", path, "--set", "units=off").exit_code == 0
     assert trajopt("solve", path, "-q", "-o", tmp_path / "block.h5").exit_code == 0
+
+
+MEASURED = """\
+trajopt: 1
+parameters: {k: {value: 1, unit: 1/h}}
+time: {initial: 0, final: 1, unit: h}
+states:
+  y: {unit: mol, rate: -a*y, initial: 1}
+  q: {unit: m, rate: a*q, initial: 1}
+optimize: {a: {unit: 1/h, lower: 0, upper: 5, guess: 1}}
+measurements:
+  run:
+    data: {time: [0, 0.5, 1], y: [1, 0.8, 0.6], late: [1, 2, 3], s: [0.1, 0.1, 0.2]}
+    compare: {y: y, late: 2*q}
+    units: {time: h, y: mol, late: m, s: mol}
+    deviations: {y: s, late: 0.1}
+"""
+
+
+def test_columns_of_measurements_have_units():
+    assert sentences(MEASURED) == []
+    for given, told in (
+        ("time: h,", "the column time is in h, and the time of the problem is"),
+        ("y: mol,", "units.y: the column y is in kg, and what it is compared with is in mol"),
+        ("late: m,", "units.late: the column late is in kg, and what it is compared with is in m"),
+        ("s: mol}", "units.s: the column s is in kg, and y, whose deviation it is, is in mol"),
+    ):
+        key = given.partition(":")[0]
+        text = MEASURED.replace(f" {given}" if given[0] != "t" else given, f" {key}: kg{given[-1]}")
+        assert text != MEASURED
+        assert any("measurements.run." in line for line in sentences(text)), sentences(text)
+        assert any(told.replace("in h", "in kg") in line for line in sentences(text)), sentences(text)
+
+
+def test_squares_of_different_units_are_not_added():
+    text = MEASURED.replace("    deviations: {y: s, late: 0.1}\n", "")
+    (told,) = sentences(text)
+    assert told.startswith(
+        "file.yaml:9: measurements.run: y is in mol, and late in m: their squares are added; give dev"
+    )
+    assert sentences(text.replace("late: 2*q}", "late: k*y/a}").replace("late: m,", "late: mol,")) == []
+    penalty = "objective: {minimize: {terminal: a*y[final]}}\n"
+    assert any(
+        "mol^2" in line or "pure" in line
+        for line in sentences(MEASURED + penalty.replace("a*y[final]", '"a*y[final]"'))
+    )
+
+
+CONTACT = """\
+trajopt: 1
+parameters: {m: {value: 1, unit: kg}, r: {value: 0.1, unit: m}}
+time: {initial: 0, final: 1}
+states:
+  y: {unit: m, rate: v, initial: 1}
+  v: {unit: m/s, rate: f/m, initial: 0}
+controls: {f: {unit: N, lower: 0, upper: 9}}
+complementarity: [{name: ground, a: y - r, b: f}, {a: r + y*v/v, b: f*v}]
+objective: {minimize: {integral: f**2}}
+"""
+
+
+def test_pairs_have_units():
+    assert sentences(CONTACT) == []
+    for old, new, place in (
+        ("a: y - r", "a: y - m", "complementarity.0.a"),
+        ("b: f*v", "b: f*v + m", "complementarity.1.b"),
+        ("b: f}, {", "b: f + y}, {", "complementarity.0.b"),
+    ):
+        (told,) = sentences(CONTACT.replace(old, new))
+        assert told.startswith(f"file.yaml:8: {place}: ")

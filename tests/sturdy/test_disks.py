@@ -38,6 +38,14 @@ def test_what_cannot_be_written_is_told_by_its_name(tmp_path, name):
         assert str(caught.value).startswith(str(tmp_path)) and "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("target", ["/dev/zero", "none/a.h5", "."])
+def test_a_link_to_what_cannot_be_written_is_told_by_both_names(tmp_path, target):
+    (tmp_path / "a.h5").symlink_to(target)
+    with pytest.raises(FileError) as caught:
+        check_writable(tmp_path / "a.h5")
+    assert str(caught.value).startswith(f"{tmp_path}/a.h5 -> /")
+
+
 def test_a_link_stays_a_link(tmp_path):
     (tmp_path / "there").mkdir()
     link = tmp_path / "a.h5"

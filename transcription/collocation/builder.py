@@ -12,15 +12,14 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-import pyomo.core as pyomo
-from pyomo.core import Any as AnyValue
-from pyomo.core import Constraint, Param, RangeSet, Set, Var
 
 from ...problems.probe import depends_on, names_asked
-from ...problems.problem import Constraint as PathConstraint
-from ...problems.problem import Curves, Function, Phase, Range
+from ...problems.problem import Curves, Phase
+from ...problems.quantities import Constraint as PathConstraint
+from ...problems.quantities import Function, Range
 from ..constraint_kinds import BOUND, BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
+from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, pyomo
 from ..measured.knots import knots_at
 from ..program.templates import item
 from ..schemes.mesh import Mesh

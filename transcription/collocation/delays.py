@@ -26,12 +26,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pyomo.core as pyomo
-from pyomo.core import Constraint, RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Delayed, Phase, Problem
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY
+from ..libraries.pyomo import Constraint, RangeSet, pyomo
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from ..schemes.polynomials import lagrange_basis

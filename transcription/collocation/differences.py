@@ -14,12 +14,12 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import pyomo.core as pyomo
-from pyomo.core import RangeSet
 
 from ...problems.errors import Mistake
-from ...problems.problem import Curves, Phase, Problem, Range, State
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Range, State
 from ..constraint_kinds import DEFECT
+from ..libraries.pyomo import RangeSet, pyomo
 from ..method_kind import no_delays
 from ..program.templates import item
 from ..schemes.mesh import Mesh

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from ...problems.expressions.structure import Form, form_of
 from ...problems.probe import depends_on
-from ...problems.problem import Phase, Problem, Range
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Range
 
 GROUPS = ("residuals", "path", "boundary", "integral")
 """The attributes of a phase that hold constraints."""

@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Curves, Problem, Range
+from ...problems.problem import Curves, Problem
+from ...problems.quantities import Range
 from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
 from ..method_kind import Program
 from ..program.alone import LOCK

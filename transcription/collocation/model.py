@@ -28,15 +28,13 @@ from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
-import pyomo.core as pyomo
-from pyomo.core import Any as AnyValue
-from pyomo.core import Block, ConcreteModel, Constraint, Objective, Param, Var
 
 from ...problems.expressions.structure import Form
-from ...problems.problem import Constraint as PathConstraint
 from ...problems.problem import Curves, Problem
+from ...problems.quantities import Constraint as PathConstraint
 from ..constraint_kinds import LINK
 from ..layout import BETWEEN, Family, Layout, Transcription, places
+from ..libraries.pyomo import AnyValue, Block, ConcreteModel, Constraint, Objective, Param, Var, pyomo
 from ..program.compiler import CompiledNLP
 from ..program.templates import templated
 from ..schemes.mesh import Mesh

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ..program.templates import item
 
 

@@ -18,12 +18,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pyomo.core as pyomo
-from pyomo.core import Constraint, RangeSet, Set
 
-from ...problems.problem import Curves, State
+from ...problems.problem import Curves
+from ...problems.quantities import State
 from ...problems.sets import without
 from ..constraint_kinds import DEFECT
+from ..libraries.pyomo import Constraint, RangeSet, Set, pyomo
 from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
 from ..schemes.segment import Group

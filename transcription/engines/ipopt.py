@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake
 from ...problems.text import did_you_mean
+from ..libraries.hidden import hidden
 from ..program.alone import LOCK
 from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
+from .linear_solvers import missing_libraries
 from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {
@@ -121,14 +123,7 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
             known = () if name in FREQUENT_OPTIONS else FREQUENT_OPTIONS  # then it is the value
             remedy = did_you_mean(name, known, otherwise="IPOPT's documentation lists its options and their values")
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
-    wanted = options.get("linear_solver", "mumps")
-    if not mistakes and wanted != "mumps":  # IPOPT takes the name; whether it has the library shows when it runs
-        problem.add_option("print_level", 0)
-        _, info = problem.solve(np.array([0.5]))
-        if Status.from_code(info["status"]) is Status.INVALID_OPTION:
-            remedy = "write mumps, or name the file that holds it: --set solver.hsllib=..., or pardisolib"
-            mistakes.append(Mistake("solver.linear_solver", f"IPOPT cannot load the linear solver {wanted}", remedy))
-    return mistakes
+    return mistakes or [Mistake(f"solver.{name}", *told) for name, told in missing_libraries(options, problem).items()]
 
 
 def _silence(problem: Any) -> None:
@@ -179,19 +174,11 @@ def _learn_reals(options: Mapping[str, object]) -> None:
 
 
 def load_library() -> Any:
-    """Import cyipopt without scipy.optimize.
+    """Import cyipopt without scipy.optimize, unless SciPy is loaded.
 
-    cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run. A None in sys.modules
-    makes an import fail at once, which cyipopt treats as "SciPy is not installed".
+    cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run.
     """
-    with LOCK:
-        alone = threading.active_count() == 1  # another thread may be importing SciPy for itself
-        if alone and "cyipopt" not in sys.modules and "scipy" not in sys.modules:
-            sys.modules["scipy"] = None  # type: ignore[assignment]  # as documented for the import system
-            try:
-                import cyipopt
-            finally:
-                del sys.modules["scipy"]
+    with LOCK, nullcontext() if "scipy" in sys.modules else hidden("scipy", absent=True):
         import cyipopt
     return cyipopt
 

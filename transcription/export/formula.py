@@ -13,12 +13,10 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
-from pyomo.core.expr import numeric_expr as ne
-from pyomo.core.expr import relational_expr as relation
-from pyomo.core.expr.numvalue import native_numeric_types, value
-from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
-
 from ...problems.expressions.functions import FUNCTIONS
+from ..libraries.pyomo import StreamBasedExpressionVisitor, native_numeric_types, value
+from ..libraries.pyomo import numeric_expr as ne
+from ..libraries.pyomo import relational_expr as relation
 from ..program.templates import TemplateError
 
 LINE = 96.0  # digits of 10 pt that fit between the margins of `latex`

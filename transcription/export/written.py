@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.functions import FUNCTIONS
 from ...problems.expressions.tree import Chain, External, Lookup, Name, Node, Number, Operation
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ...problems.schema.declarations import EndValue
 from ...problems.schema.fields import Bounded
 from . import formula as write

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...problems.probe import names_asked
-from ...problems.problem import Function, Phase, Variable
+from ...problems.problem import Phase
+from ...problems.quantities import Function, Variable
 from ...problems.text import shorten
 from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, RESIDUAL
 from ..layout import Transcription

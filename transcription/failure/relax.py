@@ -15,7 +15,8 @@ from math import inf, isfinite
 
 import numpy as np
 
-from ...problems.problem import Curves, Phase, Problem, Range
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Range
 from ..engines.ipopt import solve_program
 from ..engines.outcome import Outcome
 from ..layout import Transcription, bounded_start

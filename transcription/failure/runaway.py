@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
-from ...problems.problem import Function
+from ...problems.quantities import Function
 from ...problems.tables.table import Table
 from ...problems.text import shorten
 from ..engines.outcome import Outcome

@@ -8,7 +8,8 @@ from math import isfinite
 
 import numpy as np
 
-from ...problems.problem import Phase, Problem, Range, Variable
+from ...problems.problem import Phase, Problem
+from ...problems.quantities import Range, Variable
 from ..constraint_kinds import PATH_END, ConstraintKind
 from ..layout import Family, Layout, Transcription
 from ..program.contract import NonlinearProgram

@@ -1,1 +1,1 @@
-"""Measurements: a problem with them and a program -> the program with their residuals; a solution -> estimates."""
+"""Measurements: a problem with them and a program -> the program with their residuals."""

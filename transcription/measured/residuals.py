@@ -14,7 +14,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...problems.problem import Measured, Phase
+from ...problems.problem import Phase
+from ...problems.quantities import Measured
 from ..layout import Layout
 from ..program.contract import cross_factor
 from ..program.pointwise import PointFunctions

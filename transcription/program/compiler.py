@@ -20,9 +20,8 @@ from typing import Any
 
 import numpy as np
 import symengine as se
-from pyomo.common.collections import ComponentMap
-from pyomo.core import Constraint, Objective, minimize
 
+from ..libraries.pyomo import ComponentMap, Constraint, Objective, minimize
 from .backend import available_backend
 from .contract import callback
 from .family import CompiledFamily, Entries

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 
 import numpy as np
-import pyomo.core as pyomo
 import symengine as se
 
+from ..libraries.pyomo import pyomo
 from .backend import available_backend
 from .lookups import Filled, Lookup
 from .machine_code import Code, compile_family, compile_values, timing

@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from pyomo.core.base.var import VarData
-from pyomo.core.expr.numvalue import value
 
+from ..libraries.pyomo import VarData, value
 from .templates import TemplateError
 
 

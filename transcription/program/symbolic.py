@@ -20,14 +20,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import symengine as se
-from pyomo.core import Constraint, Objective
-from pyomo.core.expr import numeric_expr as ne
-from pyomo.core.expr import relational_expr as relation
-from pyomo.core.expr.numvalue import native_numeric_types, native_types, value
-from pyomo.core.expr.template_expr import GetItemExpression, IndexTemplate, TemplateSumExpression
 
 from ...problems.expressions.functions import FUNCTIONS
 from ...problems.tables.table import Table
+from ..libraries.pyomo import (
+    Constraint,
+    GetItemExpression,
+    IndexTemplate,
+    Objective,
+    TemplateSumExpression,
+    native_numeric_types,
+    native_types,
+    value,
+)
+from ..libraries.pyomo import numeric_expr as ne
+from ..libraries.pyomo import relational_expr as relation
 from .lookups import Lookup
 from .slots import Slots
 from .templates import TemplateError, linear_parts, table_of, template_of

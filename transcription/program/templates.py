@@ -8,40 +8,33 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-import pyomo.core.base.constraint as pyomo_constraint
-import pyomo.core.base.objective as pyomo_objective
-from pyomo.common.dependencies import DeferredImportCallbackFinder
-from pyomo.core import Var
-from pyomo.core.expr import numeric_expr as ne
-from pyomo.core.expr.numvalue import native_types
-from pyomo.core.expr.template_expr import (
+from ..libraries.pyomo import (
     GetItemExpression,
     IndexTemplate,
     NPV_Numeric_GetItemExpression,
     Numeric_GetItemExpression,
     TemplateSumExpression,
-    _template_iter_context,
+    Var,
+    native_types,
+    template_context,
 )
-
+from ..libraries.pyomo import constraint as pyomo_constraint
+from ..libraries.pyomo import numeric_expr as ne
+from ..libraries.pyomo import objective as pyomo_objective
 from .alone import LOCK
 
-_SUM, _OF_PYOMO = builtins.sum, _template_iter_context.sum_template
+_SUM, _OF_PYOMO = builtins.sum, template_context.sum_template
 _THREAD = threading.local()  # `templated` is true in the one that makes templates
 
 
-def _sum(context: _template_iter_context, *args: Any, **kwargs: Any) -> Any:
+def _sum(context: template_context, *args: Any, **kwargs: Any) -> Any:
     """The `sum` of the whole process while Pyomo makes a template: Pyomo's own for the builder, Python's for others."""
     if getattr(_THREAD, "templated", False):
         return _OF_PYOMO(context, *args, **kwargs)
     return _SUM(*args, **kwargs)
 
 
-_template_iter_context.sum_template = _sum
-
-for _library in ("scipy", "matplotlib"):
-    # Pyomo's hook would load scipy.stats or pyplot, for up to a second, whenever anyone imports a part of these. Pyomo
-    # itself asks for them by other ways. The hook is private to Pyomo as well.
-    DeferredImportCallbackFinder._callbacks.pop(_library, None)
+template_context.sum_template = _sum
 
 
 class TemplateError(RuntimeError):

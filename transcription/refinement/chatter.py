@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...problems.problem import Variable
+from ...problems.quantities import Variable
 from ...problems.text import short_repr
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram, WithTerm

@@ -32,7 +32,7 @@ from itertools import groupby
 
 import numpy as np
 
-from ...problems.problem import TOLERATED_EXCESS
+from ...problems.quantities import TOLERATED_EXCESS
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..measured.knots import knots_at, measured_fractions

@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...problems.problem import Variable
+from ...problems.quantities import Variable
 from ..solution.trajectory import Trajectory
 
 SAMPLES = 41  # on each segment; a multiple of 4, plus 1

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ..collocation.forms import form_of_phase
 from ..engines.outcome import Outcome
 from ..method_kind import TIMES, Number, Numbers

@@ -1,6 +1,6 @@
 """Single and multiple shooting (paper, 9.5 and 9.6): unknowns, constraints, and the compiled nonlinear program.
 
-On segment s, with x_s the unknown state at its start and Phi_s the simulation to its end (see `runge_kutta`),
+On segment s, with x_s the unknown state at its start and Phi_s the simulation to its end (see `schemes.shooting`),
 
     x_(s+1) == Phi_s(x_s, u on the segment, t0, tF, p)                                   the defects
     lower <= g <= upper, and bounds of x, at the points of the mesh inside the segment, where x is simulated
@@ -24,13 +24,14 @@ from typing import Any
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.problem import Constraint, Curves, Phase, Problem, Range
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Constraint, Range
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, BOUNDARY, DEFECT, INTEGRAL, PATH, RESIDUAL, ConstraintKind
 from ..layout import Family, Layout, Transcription, Unknown, places
 from ..method_kind import no_delays
 from ..schemes.mesh import Mesh
-from ..schemes.runge_kutta import shooting_scheme
+from ..schemes.shooting import shooting_scheme
 from .simulation import held
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns

@@ -26,8 +26,8 @@ import numpy as np
 from ..method_kind import TIMES
 from ..program.pointwise import PointFunctions
 from ..schemes.mesh import Mesh
-from ..schemes.runge_kutta import Shooting, shooting_scheme
 from ..schemes.segment import Group
+from ..schemes.shooting import Shooting, shooting_scheme
 
 STEP = "[step]"
 """The name of H among the arguments: no name that a file can declare."""

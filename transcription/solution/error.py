@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.problem import Complementarity, Function, Range
+from ...problems.quantities import Complementarity, Function, Range
 from ...problems.text import short_repr
 from .implicit import consistent_inputs
 from .trajectory import Sample, Trajectory

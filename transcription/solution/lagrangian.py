@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.problem import Function
+from ...problems.quantities import Function
 from ...problems.text import short_repr
 from ..constraint_kinds import INTEGRAL
 from ..layout import Layout
 from ..schemes.mesh import Mesh
-from ..schemes.runge_kutta import shooting_scheme
 from ..schemes.segment import Group
+from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
 from .implicit import Nearby, consistent_inputs
 from .multipliers import Density, Measure, Multipliers

@@ -25,13 +25,17 @@ from typing import Any
 import numpy as np
 
 from ...problems.probe import depends_on
-from ...problems.problem import Function, Phase, Range
+from ...problems.problem import Phase
+from ...problems.quantities import Function, Range
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription, bounded_start
 from .end_masses import inputs_of, without_end_masses
+
+ACTS = 0.5
+"""Of theta: an inequality with less does not act."""
 
 
 @short_repr

@@ -29,7 +29,8 @@ import numpy as np
 
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.given import EPSILON, Given, difference
-from ...problems.problem import Problem, Range
+from ...problems.problem import Problem
+from ...problems.quantities import Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import BETWEEN, Layout, Transcription, range_of_rows

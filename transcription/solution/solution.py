@@ -8,8 +8,9 @@ from functools import cached_property
 
 from ...problems.problem import Problem
 from ...problems.text import short_repr
+from ..arcs import Course
 from ..engines.outcome import Outcome, Status
-from ..measured.estimates import Estimates
+from ..measured.estimated import Estimates
 from ..schemes.mesh import Mesh
 from .error import ErrorProfile
 from .objective_error import ObjectiveError
@@ -80,8 +81,8 @@ class Solution:
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
     the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`. estimates:
-    of the static parameters, where something is measured. prices: of each phase, see `structure.prices`. program: its
-    kind, in words, if it is linear or quadratic.
+    of the static parameters, where something is measured. prices: of each phase, see `structure.prices`. arcs: of each
+    phase, see `structure.courses`. program: its kind, in words, if it is linear or quadratic.
     """
 
     problem: Problem
@@ -103,6 +104,7 @@ class Solution:
     discarded: tuple[MeshRecord, ...] = ()
     elsewhere: float = 0.0
     prices: tuple[Mapping[str, float], ...] = ()
+    arcs: tuple[tuple[Course, ...], ...] = ()
     program: str = ""
     estimates: Estimates | None = None
     sensitive: Callable[[], Sensitivities] = field(default=Sensitivities, repr=False, compare=False)

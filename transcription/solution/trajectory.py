@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...problems.problem import Delayed, Phase
+from ...problems.problem import Phase
+from ...problems.quantities import Delayed
 from ...problems.sets import without
 from ...problems.text import short_repr
 from ..layout import Layout, Transcription

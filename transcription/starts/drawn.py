@@ -13,7 +13,8 @@ from math import isfinite
 
 import numpy as np
 
-from ...problems.problem import Guess, Phase, Problem, Range
+from ...problems.problem import Guess, Phase, Problem
+from ...problems.quantities import Range
 from .other import POINTS, at_level, under_controls
 
 NODES = 4

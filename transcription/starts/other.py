@@ -16,7 +16,8 @@ import numpy as np
 
 from ...problems.expressions.structure import form_of
 from ...problems.probe import depends_on
-from ...problems.problem import Curves, Guess, Phase, Problem, Variable
+from ...problems.problem import Curves, Guess, Phase, Problem
+from ...problems.quantities import Variable
 from ..program.alone import building
 from ..program.pointwise import compiled_values
 

@@ -1,1 +1,1 @@
-"""A solved program in; out comes what it shows beside its solution: what kind it is, what its bounds are worth."""
+"""A solved program in; out comes what else it shows: its kind, the worth of bounds, how exact estimates are."""

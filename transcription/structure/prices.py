@@ -12,15 +12,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...problems.problem import Range
+from ...problems.quantities import Range
 from ..constraint_kinds import Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from ..solution.multipliers import Multipliers
-
-ACTS = 0.5
-"""Of theta, see `multipliers`: a bound with less does not act."""
+from ..solution.multipliers import ACTS, Multipliers
 
 
 def prices(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> tuple[Mapping[str, float], ...]:

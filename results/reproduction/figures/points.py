@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.polynomial.legendre import Legendre
 
+from ....transcription.schemes.orthogonal import gauss, lobatto, radau_left
 from ....transcription.schemes.polynomials import barycentric_weights, integrated_basis, lagrange_basis
-from ....transcription.schemes.table import gauss, lobatto, radau_left
 from ...pictures.style import BLACK, BLUE, GREEN, VERMILION
 from .example import Example, Picture, Solutions, grid, largest
 

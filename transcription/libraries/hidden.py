@@ -1,0 +1,31 @@
+"""Libraries that others load only because they are there."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def hidden(*names: str, absent: bool = False) -> Iterator[None]:
+    """A block in which some libraries seem not to be loaded, though they may be.
+
+    names: of the libraries.
+    absent: whether they seem not to be installed either: an import of them fails at once.
+
+    With several threads nothing is hidden, since another may be importing them for itself.
+    """
+    if threading.active_count() > 1:
+        yield
+        return
+    loaded = {name: sys.modules.pop(name) for name in names if name in sys.modules}
+    if absent:
+        sys.modules.update(dict.fromkeys(names))  # type: ignore[arg-type]  # None: as documented for the import system
+    try:
+        yield
+    finally:
+        for name in names if absent else ():
+            del sys.modules[name]
+        sys.modules.update(loaded)

@@ -1,0 +1,143 @@
+"""How exact the estimated parameters are: their covariance, from the reduced Hessian of the nonlinear program.
+
+With J the sum of weighted squared residuals, and whatever else is minimised, J/2 is the negative logarithm of the
+likelihood where the weights are 1/deviation^2. Let H be the Hessian of the Lagrangian at the solution and A the
+Jacobian of the constraints that act. The parameters p move together with all other unknowns along A dz = 0, and the
+second derivatives of J by p on the way, the reduced Hessian, are the inverse of a part of the inverse KKT matrix
+(Bard 1974, Nonlinear Parameter Estimation, chapter 7; Lopez-Negrete and Biegler 2012):
+
+    [ H  A^T ] [ Z ]   [ E_p ]
+    [ A   0  ] [ . ] = [  0  ],          covariance of p = 2 s^2 Z_p
+
+s^2 = 1 where deviations are given; else it is estimated, s^2 = sum of w r^2 / (measurements - unknowns that are free).
+Parameters on their bounds are taken as known. Which are does not depend on their units: with the bounds as the barrier
+has them, H + S, where S = multiplier/slack,
+
+    theta_i = S_i Z_ii = S_i / (S_i + c_i),          c_i the reduced second derivative by p_i,
+
+is the part that a bound has in what holds p_i, nearly 1 or nearly 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..engines.outcome import Outcome
+from ..layout import Transcription
+from ..measured.estimated import Estimates
+from ..program.contract import NonlinearProgram
+from ..solution.multipliers import ACTS, Multipliers
+
+SINGULAR = 1e-10
+"""Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""
+
+
+def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Estimates | None:
+    """The estimated static parameters of a solved problem with measurements; None without them.
+
+    transcription: of the problem on the mesh that was solved.
+    nlp: its compiled program.
+    outcome: its solution, with multipliers.
+    """
+    problem = transcription.problem
+    measured = [own for phase in problem.phases for own in phase.measured]
+    times = {name for phase in problem.phases for name in phase.time_parameters}
+    wanted = [i for i, own in enumerate(problem.parameters) if own.name not in times]
+    if not measured or not wanted:
+        return None
+    places = transcription.parameters[wanted]
+    values, names = outcome.z[places], tuple(problem.parameters[i].name for i in wanted)
+    count = int(sum((own.weights > 0).sum() for own in measured))
+    residuals, given = nlp.term.objective(outcome.z), all(own.exact for own in measured)  # type: ignore[attr-defined]
+    program = _Program(transcription, nlp, outcome, places)
+    covariance, why_not = program.covariance(names)
+    free, none = program.free, np.full(len(values), np.nan)
+    scale = 1.0 if given else np.sqrt(residuals / (count - free)) if count > free else np.nan
+    if any(phase.controls for phase in problem.phases) and not given:
+        why_not = "with controls, nothing tells how exact the measurements are: give deviations:"
+    elif not count > free and not given:
+        why_not = (
+            f"{count} measurements leave nothing over for {free} unknowns to tell how exact they are: give deviations:"
+        )
+    covariance = covariance * scale**2
+    deviations = none if why_not else np.sqrt(np.diag(covariance))
+    with np.errstate(all="ignore"):
+        correlation = covariance / np.outer(deviations, deviations)
+    correlation[np.diag_indices(len(values))] = np.where(np.isfinite(deviations), 1.0, np.nan)
+    return Estimates(names, values, deviations, correlation, residuals, count, free, float(scale), given, why_not)
+
+
+class _Program:
+    """The nonlinear program at its solution: the unknowns that no bound holds, and the constraints that act."""
+
+    def __init__(
+        self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, parameters: np.ndarray
+    ) -> None:
+        from scipy.sparse import coo_matrix, diags
+
+        self.nlp, self.outcome, self.parameters = nlp, outcome, parameters
+        own = Multipliers(transcription, nlp, outcome)
+        lower, upper, rows = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
+        self.rows = np.flatnonzero(own.equations | rows)
+        z, y, n = outcome.z, outcome.y, nlp.n
+        half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (n, n)).tocsr()
+        self.H = half + half.T - diags(half.diagonal())
+        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows]
+        held, bounded = own.bounds[0] == own.bounds[1], lower | upper
+        held |= bounded & ~np.isin(np.arange(n), parameters)
+        self.moving = np.flatnonzero(~(held | self._held(own, np.flatnonzero(~held)) & bounded))
+        measured = (own for phase in transcription.problem.phases for own in phase.measured)
+        self.size = float(sum((own.weights * own.values**2).sum() for own in measured))
+
+    def _held(self, own: Multipliers, moving: np.ndarray) -> np.ndarray:
+        """Which unknowns are parameters on a bound, (n,)."""
+        from scipy.sparse import diags
+
+        with np.errstate(all="ignore"):
+            below, above = (np.where(z > 0, z / slack, 0.0) for z, slack, _ in own.sides[:2])
+        S = below + above
+        at = np.intersect1d(self.parameters, moving)
+        held = np.zeros(self.nlp.n, bool)
+        Z = self._inverse(self.H + diags(S), moving, at)
+        held[at] = True if Z is None else S[at] * np.diag(Z) > ACTS  # theta
+        return held
+
+    def _inverse(self, H: Any, moving: np.ndarray, at: np.ndarray) -> np.ndarray | None:
+        """The part Z, (K, K), of the inverse KKT matrix of the moving unknowns at some of them, (K,); None if there is
+        no inverse."""
+        from scipy.sparse import bmat
+        from scipy.sparse.linalg import splu
+
+        A, right = self.A[:, moving], np.zeros((len(moving) + len(self.rows), len(at)))
+        places = np.searchsorted(moving, at)
+        right[places, np.arange(len(at))] = 1.0
+        try:
+            return splu(bmat([[H.tocsr()[moving][:, moving], A.T], [A, None]], format="csc")).solve(right)[places]
+        except RuntimeError:  # exactly singular
+            return None
+
+    def covariance(self, names: Sequence[str]) -> tuple[np.ndarray, str]:
+        """2 Z_p, shape (P, P); NaN for parameters on their bounds; and why there is none, or ""."""
+        own = np.flatnonzero(np.isin(self.parameters, self.moving))
+        at = self.parameters[own]
+        found = np.full((len(self.parameters),) * 2, np.nan)
+        undetermined = (
+            f"the measurements do not determine {', '.join(names[i] for i in own.tolist())}: the reduced Hessian"
+        )
+        Z = self._inverse(self.H, self.moving, at)
+        if Z is None:
+            return found, f"{undetermined} is singular"
+        part, size = Z + Z.T, 1 + np.abs(self.outcome.z[at])
+        scaled = np.linalg.eigvalsh(part / np.outer(size, size)) if np.isfinite(part).all() else np.array([np.nan])
+        if not scaled.min(initial=1.0) > 0 or scaled.max(initial=0.0) * SINGULAR * self.size > 1:
+            return found, f"{undetermined} is not positive"
+        found[np.ix_(own, own)] = part
+        return found, ""
+
+    @property
+    def free(self) -> int:
+        """How many unknowns the constraints that act leave free to fit the measurements."""
+        return len(self.moving) - len(self.rows)
