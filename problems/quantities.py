@@ -121,6 +121,11 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class EndConstraint(Constraint):
+    """A boundary constraint at the top level of a file with phases: a link in all but what it is called."""
+
+
+@dataclass(frozen=True)
 class Complementarity:
     """a >= 0, b >= 0 and a*b = 0 at every time, relaxed to a*b <= allowed.
 

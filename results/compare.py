@@ -93,12 +93,13 @@ def _leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, 
 
 def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCurves]) -> tuple[str, float]:
     """The state that differs most, and by how much."""
-    distances = {
-        name: distance
-        for a, b in zip(first, other, strict=False)
-        if a.name == b.name
-        for name, distance in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
-    }
+    with np.errstate(invalid="ignore", over="ignore"):  # a failed solve may have no finite values: NaN, then
+        distances = {
+            name: distance
+            for a, b in zip(first, other, strict=False)
+            if a.name == b.name
+            for name, distance in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
+        }
     if not distances:
         kind = "state" if any(phase.curves["state"] for phase in first) else "parameter"
         what = f"it has no {kind} in common with the first result"
@@ -143,5 +144,5 @@ def _values(phase: PhaseCurves, dense: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 
 def _fractions(t: np.ndarray) -> np.ndarray:
-    """Times as fractions of the duration."""
-    return (t - t[0]) / (t[-1] - t[0])
+    """Times as fractions of the duration; at equal distances in a phase that has shrunk to nothing."""
+    return (t - t[0]) / (t[-1] - t[0]) if t[-1] > t[0] else np.linspace(0, 1, len(t))

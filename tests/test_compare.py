@@ -1,6 +1,7 @@
 """Results side by side."""
 
 import json
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,6 +88,30 @@ def test_a_state_that_is_not_finite_differs_most():
         broken = {**curves, name: Curve("", np.empty(0), np.array([0.0, np.nan]))}
         state, distance = _distance(Path("a.h5"), [first], [replace(first, curves={"state": broken})])
         assert state == name and np.isnan(distance)
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan, 1e308])
+@pytest.mark.parametrize("first", [True, False])
+def test_values_that_are_not_finite_bring_no_warning_of_numpy(value, first):
+    curve = Curve("", np.empty(0), np.array([0.0, value, 1.0]))
+    t = np.array([0.0, 0.5, 1.0])
+    broken = PhaseCurves("main", "s", t, t, t[::2], {"state": {"a": curve}}, {}, {}, {})
+    whole = replace(broken, curves={"state": {"a": replace(curve, dense=t)}})
+    pair = (broken, whole) if first else (whole, broken)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _, distance = _distance(Path("a.h5"), pair[:1], pair[1:])
+    assert not distance < 1e300 or (first and value == 1e308)
+
+
+def test_a_phase_that_has_shrunk_to_nothing():
+    curve, t = Curve("", np.empty(0), np.array([0.0, 2.0, 4.0])), np.full(3, 7.0)
+    shrunk = PhaseCurves("main", "s", t, t, t[:2], {"state": {"a": curve}}, {}, {}, {})
+    moved = replace(curve, dense=np.array([0.0, 2.0, 5.0]))
+    other = replace(shrunk, dense_time=np.array([0.0, 0.5, 1.0]), knots=np.array([0.0, 1.0]))
+    other = replace(other, curves={"state": {"a": moved}})
+    assert _distance(Path("a.h5"), [shrunk], [shrunk]) == ("a", 0.0)
+    assert _distance(Path("a.h5"), [shrunk], [other]) == ("a", pytest.approx(0.25))
 
 
 def test_another_problem_is_told(results):

@@ -83,6 +83,7 @@ def damaged(result, place, damage):
         ("phase/main/dense/state/x", "shorter", "/phase/main/dense/state/x: it has"),
         ("phase/main/error/eta", "single", "/phase/main/error/eta: it has 0 axes, not 2"),
         ("phase/main/knots", "nan", "/phase/main/knots: not all of its values are finite"),
+        ("sensitivity/value", "all nan", "/sensitivity/value: not all of its values are finite"),
         ("mesh/0/edges", "reversed", "/mesh/0/edges: its values do not rise"),
         ("solver/z", "text", "/solver/z: it holds a text, where a number is meant"),
         ("solver/z", "huge", "/solver/z: "),

@@ -46,7 +46,8 @@ def named_dependent(extra: str) -> str:
     transcription = transcribe(build(spec), [steps(spec.mesh)[0].mesh()])
     nlp = compiled(transcription)
     z, none = bounded_start(transcription)[0], np.zeros(nlp.n)
-    return dependent(transcription, nlp, Outcome(Status.STEP_FAILED, z, np.zeros(nlp.m), none, none, 0.0, {}))
+    outcome = Outcome(Status.STEP_FAILED, z, np.zeros(nlp.m), none, none, 0.0, {})
+    return str(dependent(transcription, nlp, outcome))
 
 
 def test_equations_that_say_the_same_thing():

@@ -52,6 +52,17 @@ def test_a_point_that_was_changed_fails(result):
     } <= failed(result)
 
 
+@pytest.mark.parametrize("share", [0.0, 1e-300])
+def test_a_point_without_duration_fails(share, result):
+    """The final time and all else are zero, or next to it: a ZeroDivisionError once."""
+    with h5py.File(result, "r+") as file:
+        file["solver/z"][...] *= share
+    assert {
+        "constraints at the points, relative",
+        "stored arrays of main, from the solver's point, relative",
+    } <= failed(result)
+
+
 def test_an_objective_that_was_changed_fails(result):
     with h5py.File(result, "r+") as file:
         file.attrs["objective"] *= 1.001

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from ..problems.quantities import Constraint, EndConstraint
+
 
 class Multiplier(Enum):
     """What the multiplier of a row is for the continuous problem."""
@@ -60,4 +62,11 @@ INTEGRAL = ConstraintKind(
     "integral", "integral constraint '{}'", "Integral constraint {}", "integral", Multiplier.NUMBER, timed=False)
 LINK = ConstraintKind(  # between the ends of phases
     "link", "link '{}'", "Link {}", "", Multiplier.NUMBER, timed=False)
+ENDS = ConstraintKind(  # the same, where the file has it among the boundary constraints of the top level
+    "ends", BOUNDARY.phrase, BOUNDARY.heading, "", Multiplier.NUMBER, timed=False)
 # fmt: on
+
+
+def kind_between(constraint: Constraint) -> ConstraintKind:
+    """What a constraint on the ends of several phases is called."""
+    return ENDS if isinstance(constraint, EndConstraint) else LINK

@@ -26,6 +26,7 @@ from ..problems.yaml.locations import Finding
 from .settings import schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
 from .solve import solve
+from .starts.near import Near, near
 
 SMALLEST = 1 / 64
 """Of a step of the schedule: where it would be smaller, the way ends."""
@@ -42,6 +43,7 @@ def solve_spec(
     problems: Sequence[Problem],
     *,
     guess: Sequence[Curves] | None = None,
+    near: Near | None = None,
     progress: Progress = None,
     stop: Stop = None,
 ) -> Solution:
@@ -49,13 +51,14 @@ def solve_spec(
 
     spec: of the file.
     problems: one for each entry of its mesh schedule.
-    guess, progress, stop: as of `solve.solve`; with a guess there is no continuation.
+    guess, near, progress, stop: as of `solve.solve`; with a guess there is no continuation.
 
     Raises SpecError as `solve.solve` does.
     """
     began = perf_counter()
     if guess is not None or not (spec.continuation or any(_relaxed(spec))):
-        solution = solve(problems, schedule_of(spec), settings_of(spec), guess=guess, progress=progress, stop=stop)
+        how = schedule_of(spec), settings_of(spec)
+        solution = solve(problems, *how, guess=guess, near=near, progress=progress, stop=stop)
     else:
         solution = _Way(spec, problems, progress, stop).walked()
     told = sum(sum(record.seconds.values()) for record in solution.meshes)
@@ -149,7 +152,7 @@ class _Way:
         solution = self._solved(0.0, None)
         while solution.status.usable and at < self.last:
             target = min(at + step, floor(at) + 1.0)
-            following = self._solved(target, solution.trajectories)
+            following = self._solved(target, solution)
             if following.status.usable:
                 at, solution = target, following
                 step, failed = step if failed else min(2 * step, 1.0), False
@@ -159,8 +162,8 @@ class _Way:
                 solution = following
         return replace(solution, continuation=tuple(self.steps))
 
-    def _solved(self, at: float, guess: Sequence[Curves] | None) -> Solution:
-        """The solution at a place of the schedule, 0 for its first values, from the trajectories before."""
+    def _solved(self, at: float, before: Solution | None) -> Solution:
+        """The solution at a place of the schedule, 0 for its first values, from the one before."""
         low, high = floor(at), ceil(at)
         values = {path: _between(path, own[low], own[high], at - low) for path, own in self.values.items()}
         if at == self.last:
@@ -169,7 +172,8 @@ class _Way:
             spec = _at(self.spec, values)
             problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
             settings = replace(settings_of(spec), refine=None, starts=0)
-        solution = solve(problems, schedule, settings, guess=guess, progress=self.progress, stop=self.stop)
+        guess, left = (before.trajectories, near(before)) if before else (None, None)
+        solution = solve(problems, schedule, settings, guess=guess, near=left, progress=self.progress, stop=self.stop)
         iterations = sum(mesh.iterations for mesh in solution.meshes)
         objective = solution.objective if solution.status.usable else np.nan
         self.steps.append(ContinuationStep(values, solution.status, objective, iterations))

@@ -62,7 +62,7 @@ def solve_first_mesh(
 
     def run(guess: Sequence[Curves], limit: Limit) -> Found:
         limited = replace(watch, stop=limit.reached)
-        return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess), limited)
+        return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess, near=None), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
         best = _from_others(problem, best, run, Limit(seconds, watch.stop, time.process_time))

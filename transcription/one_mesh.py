@@ -27,6 +27,7 @@ from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
+from .starts.near import Near, solved_from
 from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
 
@@ -96,12 +97,13 @@ class Watch:
 class Origin:
     """Where a solve starts: guess, one for each phase or None for the problem's own, and the solve before, if any.
 
-    damping: of controls that chattered there.
+    damping: of controls that chattered there. near: the guess is the solution of a neighbour, which leaves this.
     """
 
     guess: Sequence[Curves] | None
     solved: Solved | None
     damping: Damping = UNDAMPED
+    near: Near | None = None
 
 
 def solve_mesh(
@@ -159,11 +161,19 @@ def _run(
     options = {"tol": tolerance, **settings.options}
     scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
     damped = start.damping.of(nlp, transcription)
-    outcome = engine_solve(settings.engine)(
-        damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks()
-    )
+    engine = engine_solve(settings.engine)
+
+    def run(options: Mapping[str, object], multipliers: Start | None) -> Outcome:
+        return engine(damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks())
+
+    if start.near and settings.engine == "ipopt" and start.near.fits(transcription, nlp):
+        outcome, more = solved_from(start.near, run, nlp, z, lower, upper, options)
+    else:
+        outcome, more = run(options, multipliers), 0
     clock.append(time.perf_counter())
-    return _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
+    solution, solved = _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
+    (record,) = solution.meshes
+    return replace(solution, meshes=(replace(record, iterations=record.iterations + more),)), solved
 
 
 def _measured(
@@ -194,7 +204,17 @@ def _measured(
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)
     record = _record(grids, tolerance, objective, bar, errors, nlp, outcome, seconds)
     solution = Solution(
-        problem, outcome.status, objective, phases, errors, (record,), outcome, bar, violations, trouble
+        problem,
+        outcome.status,
+        objective,
+        phases,
+        errors,
+        (record,),
+        outcome,
+        bar,
+        violations,
+        str(trouble),
+        trouble.involved,
     )
     return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 
@@ -283,7 +303,7 @@ def _record(
         objective_corrected=objective + bar.correction,
         max_eta=max(error.max_eta for error in errors),
         relative_error=max(float(error.relative.max()) for error in errors),
-        iterations=max(len(outcome.iterations["iteration"]) - 1, 0),
+        iterations=outcome.count,
         unknowns=nlp.n,
         constraints=nlp.m,
         seconds=seconds,

@@ -23,6 +23,7 @@ from .same_mesh import from_lower, sharpened, with_short_turns
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution, with_bar
+from .starts.near import Near
 from .structure.convexity import kind_of_program
 from .structure.courses import courses
 from .structure.estimates import estimates
@@ -87,6 +88,7 @@ def solve(
     settings: Settings = DEFAULT,
     *,
     guess: Sequence[Curves] | None = None,
+    near: Near | None = None,
     progress: Callable[[int, dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Solution:
@@ -96,6 +98,7 @@ def solve(
     schedule: the meshes to solve on, and the method of each, for all phases or for each; refined ones come after them.
     settings: the engine and its options, refinement, scaling, time limit.
     guess: one for each phase, over the problem's own; None for that.
+    near: what the neighbour leaves whose solution is the guess; used where it fits the first mesh.
     progress: called with the number of the solve and the engine's record of each iteration.
     stop: asked at each iteration; true ends the solve and keeps the last iterate.
 
@@ -106,7 +109,7 @@ def solve(
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
     """
-    return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None))
+    return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None, near=near))
 
 
 class _Loop:

@@ -15,6 +15,9 @@ from .printing import cell, one_line, plural, print_field, print_table, print_ti
 MAX_SHOWN = 8  # values found where there is no time
 MAX_RELIEF = 4  # ways out, of a problem that contradicts itself
 
+ROUNDING = 1e-9
+"""Of the largest time: what is nearer to 0, as in a phase that has shrunk to nothing, is told as 0."""
+
 HELD = 1e-6
 """Of the range of a curve: an excess below this is the engine's tolerance."""
 
@@ -30,6 +33,7 @@ def print_summary(summary: dict[str, Any]) -> None:
 
 def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """What is told of a result, a row of the table each: what it is, and the text."""
+    summary = _rounded(summary)
     if not summary["solved"]:
         yield from _failure(summary)
     if summary["optimizes"]:
@@ -49,12 +53,36 @@ def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "file", summary["file"]
 
 
+def _rounded(summary: dict[str, Any]) -> dict[str, Any]:
+    """The same, but that times which are 0 but for rounding are 0."""
+    phases = summary["phases"]
+    ends = [abs(phase["time"][end] or 0.0) for phase in phases.values() for end in ("initial", "final")]
+    least = ROUNDING * max(ends)
+
+    def told(own: dict[str, Any] | None, *times: str) -> dict[str, Any] | None:
+        return own and {**own, **{key: 0.0 for key in times if own[key] is not None and abs(own[key]) < least}}
+
+    return {
+        **summary,
+        "phases": {
+            name: {
+                **phase,
+                "time": told(phase["time"], "initial", "final"),
+                "complementarity": {pair: told(own, "time") for pair, own in phase["complementarity"].items()},
+            }
+            for name, phase in phases.items()
+        },
+        "error": told(summary["error"], "start", "end"),
+        "overshoot": told(summary["overshoot"], "time"),
+    }
+
+
 def _failure(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Why a problem is not solved, and what to do."""
     yield "status", summary["message"]
     relief = summary["relief"][:MAX_RELIEF]
     yield from zip(("relax", *["or"] * (len(relief) - 1)), relief, strict=True) if relief else ()
-    yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"]))
+    yield from (("cause", cause) for cause in causes(summary["trouble"], summary["violations"], summary["involved"]))
     yield "remedy", summary["remedy"]
 
 
@@ -192,6 +220,7 @@ def _error(error: dict[str, Any], relative: float | None, several: bool) -> str:
 
 def print_details(summary: dict[str, Any]) -> None:
     """The tables of `show`: every state, control and parameter, and every mesh."""
+    summary = _rounded(summary)
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
     print_correlation(summary["estimates"])

@@ -208,7 +208,7 @@ def _tell(path: Path, as_json: bool, quiet: bool) -> None:
     elif not quiet:
         print_summary(summary)
     if not summary["solved"] and (as_json or quiet or not sys.stdout.isatty()):
-        why_not = causes(summary["trouble"], summary["violations"])[:1]
+        why_not = causes(summary["trouble"], summary["violations"], summary["involved"])[:1]
         relief = [f"this would do: {own}" for own in summary["relief"][:1]]
         why = "; ".join([summary["message"], *relief, *why_not, summary["remedy"]])
         print(f"not solved: {one_line(summary['problem'])}: {one_line(why)}", file=sys.stderr)

@@ -251,7 +251,7 @@ class _Checker:
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):
             self.errors += title_troubles((*path, "name"), name, given)
             given.add(name)
-        self.errors += complementarity_mistakes(self.spec, self.symbols, given)
+        self.errors += complementarity_mistakes(self.spec, self.symbols, given, self.range)
 
     def static_guesses(self) -> None:
         for name, static in self.spec.optimize.items():

@@ -10,7 +10,7 @@ from ..expressions.tree import Chain, Link, Name
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
 from ..problem import Phase
-from ..quantities import Constraint, Function, Range
+from ..quantities import Constraint, EndConstraint, Function, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, own_entries, passages
@@ -38,7 +38,7 @@ def links_of(
         links.append(Constraint(name, between.function(link.expression), between.range(link, ("links", number))))
     for i, (constraint, name) in enumerate(zip(spec.constraints.boundary, boundary_names(spec), strict=True)):
         bounds = between.range(constraint, ("constraints", "boundary", i))
-        links.append(Constraint(name, between.function(constraint.expression), bounds))
+        links.append(EndConstraint(name, between.function(constraint.expression), bounds))
     terminal = spec.objective.terms.terminal
     return tuple(links), None if terminal is None else between.function(terminal)
 

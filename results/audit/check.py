@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...transcription.solution.trajectory import Trajectory
+
 ENGINE = 10.0
 """Times the engine's tolerance, relative to 1 + |J|: what a solved program may be off by."""
 
@@ -22,6 +24,6 @@ class Check:
         return bool(self.value <= self.limit)  # False for NaN
 
 
-def at(t: float) -> str:
-    """A time, for people to read."""
-    return f"t = {t:.4g}"
+def at(trajectory: Trajectory, t: float) -> str:
+    """A time of a trajectory, for people to read."""
+    return f"t = {trajectory.told(t):.4g}"

@@ -52,7 +52,7 @@ def steps(trajectory: Trajectory, allowed: float, tolerance: float) -> Iterator[
     after = x[:, :-1] + phase.dynamics(t[:-1], x[:, :-1], u[:, :-1], p)
     missed = np.nan_to_num(np.abs(after - x[:, 1:]) / size, nan=np.inf)
     i, k = map(int, np.unravel_index(np.argmax(missed), missed.shape))
-    yield Check("each step, relative", float(missed[i, k]), allowed, f"{phase.states[i].name}, {at(t[k])}")
+    yield Check("each step, relative", float(missed[i, k]), allowed, f"{phase.states[i].name}, {at(trajectory, t[k])}")
     own = np.empty_like(x)
     own[:, 0] = x[:, 0]
     for k in range(len(t) - 1):
@@ -60,7 +60,9 @@ def steps(trajectory: Trajectory, allowed: float, tolerance: float) -> Iterator[
     for i, state in enumerate(phase.states):
         deviation = np.nan_to_num(np.abs(own[i] - x[i]) / ranges(trajectory)[i], nan=np.inf)
         k = int(np.argmax(deviation))
-        yield Check(f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, at(t[k]))
+        yield Check(
+            f"simulated {state.name}, relative to its range", float(deviation[k]), tolerance, at(trajectory, t[k])
+        )
 
 
 def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance: float) -> Iterator[Check]:
@@ -88,7 +90,7 @@ def discrete_optimality(result: Reloaded, number: int, claimed: float, tolerance
     jumps = np.maximum(np.abs(after[:, :-1] - before[:, 1:] - bounds) - left, 0.0) / scale
     apart[:, 1:] = np.maximum(apart[:, 1:], jumps)
     k = int(np.argmax(apart.max(axis=0)))
-    yield Check("costate equation, relative", float(apart[:, k].max()), SHARP, at(values["t"][k]))
+    yield Check("costate equation, relative", float(apart[:, k].max()), SHARP, at(trajectory, values["t"][k]))
     yield from stationarity(result, hamiltonian, values, 0 * slopes, claimed, tolerance)
 
 

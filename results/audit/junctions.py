@@ -14,7 +14,7 @@ from ...problems.phases.links import DURATION
 from ...problems.probe import names_asked
 from ...problems.problem import Phase
 from ...problems.quantities import Range
-from ...transcription.constraint_kinds import LINK
+from ...transcription.constraint_kinds import ENDS, LINK
 from ..file.reload import Reloaded
 from .check import Check, at
 from .optimality import Hamiltonian
@@ -33,7 +33,7 @@ def links(result: Reloaded, limit: float) -> Iterator[Check]:
     g = result.nlp.constraints_unchecked(result.outcome.z)
     bounds = {link.name: link.bounds for link in result.problem.links}
     for family in result.transcription.families:
-        if family.kind is LINK:
+        if family.kind in (LINK, ENDS):
             value = float(bounds[family.name].excess(g[family.rows(result.nlp)]).max())
             if not value <= missed:
                 missed, worst = value, family.name
@@ -55,8 +55,15 @@ def junctions(result: Reloaded, claimed: float, tolerance: float) -> Iterator[Ch
         jump = float(before.hamiltonian(values[0])[-1] - after.hamiltonian(values[1])[0])
         scale = max(side.scale(own) for side, own in zip(sides, values, strict=True)) or 1.0
         shortest = min(float(np.ptp(side.trajectory.t)) for side in sides)
+        if not shortest:  # a phase that takes no time: H has no meaning in it
+            continue
         value = max(abs(jump) - claimed / shortest, 0.0) / scale
-        yield Check(f"H goes on from {source} to {target}, relative", value, tolerance, at(before.trajectory.t[1]))
+        yield Check(
+            f"H goes on from {source} to {target}, relative",
+            value,
+            tolerance,
+            at(before.trajectory, before.trajectory.t[1]),
+        )
 
 
 def _free_passages(result: Reloaded) -> Iterator[tuple[str, str]]:

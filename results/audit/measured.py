@@ -28,5 +28,5 @@ def jumps_of_costates(result: Reloaded, number: int, tolerance: float) -> Iterat
     missed = np.abs(before - after - slopes) / (np.abs(costate).max(axis=1, keepdims=True) + 1e-300)
     i, k = map(int, np.unravel_index(np.argmax(np.nan_to_num(missed, nan=np.inf)), missed.shape))
     name = "costates jump by what is measured, relative"
-    where = f"{trajectory.phase.states[i].name}, {at(trajectory.knots[inner[k]])}"
+    where = f"{trajectory.phase.states[i].name}, {at(trajectory, trajectory.knots[inner[k]])}"
     yield Check(name, float(missed[i, k]), tolerance, where)

@@ -146,7 +146,7 @@ def stationarity(
         residual = _natural_residual(gradient / scale, values[variable.name], variable.bounds)
         k = int(np.argmax(np.nan_to_num(residual, nan=np.inf)))
         name = f"stationarity dH/d{variable.name}, relative"
-        yield Check(name, float(residual[k]), tolerance, at(t[k]))
+        yield Check(name, float(residual[k]), tolerance, at(hamiltonian.trajectory, t[k]))
 
 
 def _left_by_engine(result: Reloaded, hamiltonian: Hamiltonian) -> np.ndarray:
@@ -182,9 +182,9 @@ def _hamiltonian_drift(
     scale = hamiltonian.scale(values)
     value = np.maximum(shares * drift - claimed / float(np.ptp(trajectory.t)), 0.0) / (scale or 1.0)
     k, worst = int(np.argmax(np.nan_to_num(value, nan=np.inf))), int(np.argmax(np.nan_to_num(drift, nan=np.inf)))
-    where = at(t[k])
+    where = at(trajectory, t[k])
     if drift[worst] > tolerance * (scale or 1.0) and shares[worst] < 1:
-        where += f"; {drift[worst] / (scale or 1.0):.1e} in a jump, {at(t[worst])}"
+        where += f"; {drift[worst] / (scale or 1.0):.1e} in a jump, {at(trajectory, t[worst])}"
     return Check("Hamiltonian along the trajectory, relative", float(value[k]), tolerance, where)
 
 
@@ -246,7 +246,7 @@ def _legendre(hamiltonian: Hamiltonian, values: dict, t: np.ndarray, tolerance: 
     lowest[~finite] = np.nan
     k = int(np.argmin(lowest))
     value = float(np.maximum(0.0, -lowest[k])) + 0.0  # NaN stays NaN
-    return Check("d2H/du2 without negative eigenvalues, relative", value, tolerance, at(t[k]))
+    return Check("d2H/du2 without negative eigenvalues, relative", value, tolerance, at(hamiltonian.trajectory, t[k]))
 
 
 def _on_tangent(hessian: np.ndarray, normals: np.ndarray) -> np.ndarray:

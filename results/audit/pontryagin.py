@@ -23,8 +23,8 @@ NAME = "Pontryagin's minimum of H over the controls, relative"
 
 @np.errstate(all="ignore")
 def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, Check]]:
-    """Each phase that has controls, and unique costates, and its check; not in discrete time, where it need not
-    hold.
+    """Each phase that has controls, unique costates and a duration, and its check; not in discrete time, where it need
+    not hold.
 
     result: read back, with multipliers.
     claimed: how far its objective may be from the optimum.
@@ -32,7 +32,7 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, C
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
         unique = not trajectory.phase.complementarity and not trajectory.phase.exact
-        if trajectory.costate is not None and trajectory.phase.controls and unique:
+        if trajectory.costate is not None and trajectory.phase.controls and unique and np.ptp(trajectory.t):
             yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 
@@ -46,5 +46,5 @@ def _check(phase: PhaseLagrangian, claimed: float) -> Check:
     if excess[k] > 0:
         controls = zip(phase.phase.controls, least.controls[:, k], strict=True)
         names = ", ".join(f"{c.name} = {v:.4g}" for c, v in controls)
-        where = f"{at(least.points.t[k])}, by {excess[k] / scale:.1e} with {names}"
+        where = f"{at(phase.trajectory, least.points.t[k])}, by {excess[k] / scale:.1e} with {names}"
     return Check(NAME, least.total / (phase.duration * scale), claimed / (phase.duration * scale), where)

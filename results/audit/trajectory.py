@@ -56,14 +56,14 @@ def simulation(trajectory: Trajectory, error: ErrorProfile, tolerance: float) ->
     name = trajectory.phase.states[i].name
     kept = Check(
         "each segment simulated, over its claimed error", float(over_claim[i, k]), 1.0,
-        f"{name}, {at(trajectory.knots[k])}",
+        f"{name}, {at(trajectory, trajectory.knots[k])}",
     )  # fmt: skip
     yield kept
     whole, scale = np.abs(simulate(trajectory) - knots), ranges(trajectory)
     for i, state in enumerate(trajectory.phase.states):
         deviation = whole[i] / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
-        where, value = at(trajectory.knots[k]), float(deviation[k])
+        where, value = at(trajectory, trajectory.knots[k]), float(deviation[k])
         if not np.isfinite(value):
             where = f"the simulation fails before {where}: the dynamics have no finite value, or run away"
         if kept.passed and not value <= tolerance and not whole[i, k] <= UNSTABLE * (error.eta.sum() + ROUNDING):
@@ -90,7 +90,7 @@ def held_control(trajectory: Trajectory, hold: float, tolerance: float) -> Itera
         deviation = apart[i] / scale[i]
         k = int(np.argmax(np.nan_to_num(deviation, nan=np.inf)))
         name = f"{state.name} under the control held for {hold:g} {trajectory.phase.time_unit}"
-        yield Check(name, float(deviation[k]), tolerance, at(trajectory.knots[k]))
+        yield Check(name, float(deviation[k]), tolerance, at(trajectory, trajectory.knots[k]))
 
 
 def _held(trajectory: Trajectory, hold: float) -> np.ndarray:
@@ -205,16 +205,16 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
         by_segment = np.nan_to_num(trajectory.by_segment(excess.values), nan=np.inf)
         peak, counted = by_segment.ravel(), (by_segment * weights).ravel()
         k, worst = int(np.argmax(counted)), int(np.argmax(peak))
-        where = at(t[k]) if counted[k] > 0 else ""
+        where = at(trajectory, t[k]) if counted[k] > 0 else ""
         if peak[worst] > tolerance >= counted[k]:
-            where += f"; {peak[worst]:.1e} in a jump, {at(t[worst])}"
+            where += f"; {peak[worst]:.1e} in a jump, {at(trajectory, t[worst])}"
         yield Check(f"{excess.name} between the points", float(counted[k]), tolerance, where)
 
 
 def complementary(trajectory: Trajectory) -> Iterator[Check]:
     """That one of two things is zero at the points, up to what it was relaxed to."""
     for pair, product, time in exactness(trajectory):
-        yield Check(f"{pair.name}: a*b of the pair", product, RELAXED * pair.allowed, at(time))
+        yield Check(f"{pair.name}: a*b of the pair", product, RELAXED * pair.allowed, at(trajectory, time))
 
 
 def _constant(value: np.ndarray, t: float) -> np.ndarray:

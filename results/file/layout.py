@@ -68,7 +68,8 @@ class Array:
 
     unless: the member that may stand in its place.
     ordered: "" for any values; "times": finite, and none before another; "edges": from 0 to 1, each beyond the one
-    before. names: the symbol whose names its texts are. limits: the least and the largest value.
+    before. finite: whether all are finite numbers. names: the symbol whose names its texts are. limits: the least and
+    the largest value.
     """
 
     kind: str
@@ -77,6 +78,7 @@ class Array:
     along: str = ""
     unless: str = ""
     ordered: str = ""
+    finite: bool = False
     names: str = ""
     limits: tuple[int, int] | None = None
 
@@ -262,7 +264,7 @@ _NUMBERS = Size("numbers", least=0)
 SENSITIVITY = Group(
     {
         "number": Array(TEXT, (_NUMBERS,)),
-        "value": Array(NUMBER, (_NUMBERS,)),
+        "value": Array(NUMBER, (_NUMBERS,), finite=True),
         "unit": Array(TEXT, (_NUMBERS,)),
         "derivative": Array(NUMBER, (_NUMBERS,)),
         "note": Array(TEXT, (_NUMBERS,)),
@@ -284,6 +286,7 @@ SOLVER = Group(
     },
     {
         "violations": Attribute(TEXTS),
+        "involved": Attribute(TEXTS, optional=True),  # results of older versions have none
         "unmet": Attribute(TEXTS),
         "unmet_count": Attribute(WHOLE, above=-1),
         "stopped": Attribute(TEXT),

@@ -18,6 +18,9 @@ from .layout import MESH
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
 """Why there are no sensitivities in a result that has no place for them."""
 
+NAMED = 6
+"""Of all that cannot hold at once, in a sentence."""
+
 LARGEST_NUMBER = 1e300  # of a reference
 
 STATIC, DISCRETE, CONTINUOUS = "static", "discrete", "continuous"
@@ -37,8 +40,17 @@ def summarize(path: Path) -> dict[str, Any]:
         return plain(_summary(path, file))
 
 
-def causes(trouble: str, violations: Sequence[object]) -> list[str]:
-    """Why a solve failed, as far as is known: first what explains it, then the worst violations."""
+def causes(trouble: str, violations: Sequence[object], involved: Sequence[str] = ()) -> list[str]:
+    """Why a solve failed, as far as is known: first what explains it, then the worst violations.
+
+    trouble: what explains it.
+    violations: the worst first.
+    involved: names in the trouble, of which only the first are told.
+    """
+    if len(involved) > NAMED:
+        trouble = trouble.replace(
+            ", ".join(involved), f"{', '.join(involved[:NAMED])} and {len(involved) - NAMED} more"
+        )
     return [*filter(None, [trouble]), *map(str, violations[:3])]
 
 
@@ -60,6 +72,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "optimizes": _optimizes(file),
         "reference": _reference(file),
         "violations": list(solver["violations"]),
+        "involved": list(solver.get("involved", ())),
         "unmet": list(solver["unmet"]),
         "unmet_count": solver["unmet_count"],
         "stopped": solver["stopped"],

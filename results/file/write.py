@@ -36,6 +36,7 @@
                                iterations, unknowns, constraints, seconds_<part>; substeps and control of shooting
     /solver/                   iterations/<quantity> (number); z, z_lower, z_upper (unknown); y (constraint);
                                attributes: engine, every option, seconds_<part> (over all meshes), violations,
+                               involved (names of all that cannot hold at once, or says the same),
                                unmet_count and unmet (segments that refinement left above its tolerance), stopped
                                (why a mesh after the last is missing), notes (what was done beyond what was asked, as
                                another start), relief (what would have to give way, of a problem that contradicts
@@ -279,6 +280,7 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["discarded"] = texts(map(_discarded, solution.discarded))
     group.attrs["discarded_iterations"] = sum(record.iterations for record in solution.discarded)
     group.attrs["violations"] = texts(map(str, solution.violations))
+    group.attrs["involved"] = texts(solution.involved)
     group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
     group.attrs["unmet_count"] = len(solution.unmet)
     group.attrs["stopped"] = solution.stopped

@@ -23,6 +23,7 @@ from ...problems.text import short_repr
 from ...transcription.continuation import solve_spec
 from ...transcription.loading import build_checked, load_yaml, located
 from ...transcription.solution.solution import Solution
+from ...transcription.starts.near import Near, near
 from ..file.guess import adapted
 from ..file.summary import causes, plain
 from ..file.write import image_of
@@ -43,12 +44,22 @@ Curves = Mapping[str, Guess]
 
 @short_repr
 @dataclass(frozen=True)
+class Left:
+    """What a solved case leaves for its neighbours; near: where its multipliers are known."""
+
+    curves: Curves
+    near: Near | None = None
+
+
+@short_repr
+@dataclass(frozen=True)
 class Task:
     """One case to be solved.
 
     number: of the case. values: path -> value, as YAML, of what is swept. text, file: the problem file. overrides:
-    those of the command line, for every case. origin: the case to start from and its curves; None for the guess of the
-    file. full: whether the image of the result file is wanted. command: that it tells.
+    those of the command line, for every case. origin: the case to start from and what it leaves; None for the guess of
+    the file. chain: whether others may start from it. full: whether the image of the result file is wanted. command:
+    that it tells.
     """
 
     number: int
@@ -56,7 +67,8 @@ class Task:
     text: str
     file: str
     overrides: tuple[str, ...]
-    origin: tuple[int, Curves] | None = None
+    origin: tuple[int, Left] | None = None
+    chain: bool = False
     full: bool = False
     command: str = ""
 
@@ -64,10 +76,11 @@ class Task:
 @short_repr
 @dataclass(frozen=True)
 class Answer:
-    """What became of a case: a record that JSON can hold, see `record_of`; its curves and its result file if asked."""
+    """What became of a case: a record that JSON can hold, see `record_of`; what it leaves for others; its result file
+    if asked."""
 
     record: dict[str, Any]
-    curves: Curves = field(default_factory=dict)
+    left: Left = field(default_factory=lambda: Left({}))
     image: bytes | None = None
 
 
@@ -119,18 +132,20 @@ def _solved(task: Task) -> Answer:
     record = record_of(task, solution, start, _key(spec, overrides))
     if _stop() and not solution.solved:
         record["status"] = INTERRUPTED
-    curves = {t.phase.name: _curves(t) for t in solution.trajectories} if solution.solved else {}
+    left = Left({})
+    if solution.solved:
+        left = Left({t.phase.name: _curves(t) for t in solution.trajectories}, near(solution) if task.chain else None)
     image = image_of(solution, spec.text, spec.model_dump_json(), task.command, spec.overrides) if task.full else None
-    return Answer(record, curves, image)
+    return Answer(record, left, image)
 
 
 def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, str]:
     """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
     if task.origin:
-        neighbour, curves = task.origin
-        phases = problems[0].phases
+        neighbour, left = task.origin
+        phases, curves = problems[0].phases, left.curves
         guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
-        solution = solve_spec(spec, problems, guess=guess, stop=_stop)
+        solution = solve_spec(spec, problems, guess=guess, near=left.near, stop=_stop)
         if solution.solved or _stop():
             return solution, f"case {neighbour}"
     return solve_spec(spec, problems, stop=_stop), "guess"
@@ -158,7 +173,7 @@ def record_of(task: Task, solution: Solution, start: str, key: str) -> dict[str,
     key: its name.
     """
     first, last = solution.trajectories[0], solution.trajectories[-1]
-    why = causes(solution.trouble, solution.violations)[:1]
+    why = causes(solution.trouble, solution.violations, solution.involved)[:1]
     record = {
         "case": task.number,
         "key": key,

@@ -8,7 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, 
 from dataclasses import dataclass
 from typing import Any
 
-from .case import ERROR, INTERRUPTED, WORKER_DIED, Answer, Curves, Task, failed
+from .case import ERROR, INTERRUPTED, WORKER_DIED, Answer, Left, Task, failed
 from .engines import Engine
 from .plan import Plan
 from .store import Store
@@ -106,14 +106,15 @@ class _Loop:
 
     def _task(self, number: int) -> Task:
         job, values = self.job, self.plan.values(number)
-        return Task(number, values, job.text, job.file, job.overrides, self._origin(number), job.full, job.command)
+        origin = self._origin(number)
+        return Task(number, values, job.text, job.file, job.overrides, origin, job.chain, job.full, job.command)
 
-    def _origin(self, number: int) -> tuple[int, Curves] | None:
-        """The nearest case on the way back along the chain that is solved, with its curves."""
+    def _origin(self, number: int) -> tuple[int, Left] | None:
+        """The nearest case on the way back along the chain that is solved, with what it leaves."""
         before = self.plan.before(number) if self.job.chain else None
         while before is not None:
-            if curves := self.store.curves(before):
-                return before, curves
+            if left := self.store.left(before):
+                return before, left
             before = self.plan.before(before)
         return None
 

@@ -1,4 +1,4 @@
-"""The small result of a case as bytes: its record and its curves, each with a check sum."""
+"""The small result of a case as bytes: its record and what it leaves for its neighbours, each part with a check sum."""
 
 from __future__ import annotations
 
@@ -11,7 +11,11 @@ from typing import Any
 import numpy as np
 
 from ...problems.problem import Guess
-from .case import Curves
+from ...transcription.engines.outcome import Start
+from ...transcription.starts.near import Near
+from .case import Left
+
+MULTIPLIERS = ("y", "z_lower", "z_upper")
 
 BROKEN = (
     OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError, TypeError, AttributeError,
@@ -20,21 +24,24 @@ BROKEN = (
 """What `unpacked` may raise."""
 
 
-def packed(record: Mapping[str, Any], curves: Curves) -> bytes:
+def packed(record: Mapping[str, Any], left: Left) -> bytes:
     """The content of the file."""
     arrays: dict[str, Any] = {"record": np.frombuffer(json.dumps(record).encode(), np.uint8)}
     heads = {}
-    for name, guess in curves.items():
+    for name, guess in left.curves.items():
         heads[name] = [guess.initial_time, guess.final_time, dict(guess.parameters), list(guess.values)]
         arrays[f"{name}|s"] = guess.s
         arrays[f"{name}|values"] = np.array(list(guess.values.values()))
     arrays["curves"] = np.frombuffer(json.dumps(heads).encode(), np.uint8)
+    if left.near:
+        arrays["|objective"] = np.array(left.near.objective)
+        arrays |= {f"|{name}": getattr(left.near.start, name) for name in MULTIPLIERS}
     stream = BytesIO()
     np.savez(stream, **arrays)
     return stream.getvalue()
 
 
-def unpacked(content: bytes) -> tuple[dict[str, Any], Curves]:
+def unpacked(content: bytes) -> tuple[dict[str, Any], Left]:
     """The way back. Raises one of BROKEN if a part is missing or differs from its check sum."""
     with zipfile.ZipFile(BytesIO(content)) as parts:
         if sum(part.file_size for part in parts.infolist()) > len(content):
@@ -49,4 +56,8 @@ def unpacked(content: bytes) -> tuple[dict[str, Any], Curves]:
             )
             for name, (t0, tF, parameters, names) in heads.items()
         }
-    return record, curves
+        if "|y" not in arrays:
+            return record, Left(curves)
+        start = Start(*(arrays[f"|{name}"] for name in MULTIPLIERS))
+        points = tuple(curve.s for curve in curves.values())
+        return record, Left(curves, Near(points, float(arrays["|objective"]), start))

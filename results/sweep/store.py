@@ -1,8 +1,9 @@
 """The folder of a sweep. Whatever is killed, at any moment: no finished case is lost, nothing broken is read as good.
 
     sweep.json              what is swept: the text of the file, overrides, axes; a folder has one sweep
-    cases/<key>.npz         one small result a case: its record as JSON, and its curves, for a neighbour to start from;
-                            written under another name, flushed to disk and renamed; each part with a check sum
+    cases/<key>.npz         one small result a case: its record as JSON, its curves and, with `--chain`, multipliers,
+                            for a neighbour to start from; written under another name, flushed to disk and renamed; each
+                            part with a check sum
     results/<key>.h5        the full result, with `--keep full`
     index.jsonl             one line a case when it is finished, with all of its record; of a case the last line counts,
                             and one that is solved before others; each shard has its own, index-2-of-8.jsonl
@@ -24,7 +25,7 @@ from typing import Any, cast
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import check_writable, replacing
-from .case import Answer, Curves, is_record
+from .case import Answer, Curves, Left, is_record
 from .locks import Lock, locked
 from .plan import Plan
 from .small import BROKEN, packed, unpacked
@@ -174,16 +175,17 @@ class Store:
                 with replacing(self.result(record)) as temporary:
                     temporary.write_bytes(answer.image)
             with replacing(self.folder / CASES / f"{record['key']}.npz") as temporary:
-                temporary.write_bytes(packed(record, answer.curves))
+                temporary.write_bytes(packed(record, answer.left))
         line = json.dumps(record, allow_nan=False).encode() + b"\n"
         with self._told(self.index):
             append(self.stream, line)
         self.records[record["case"]] = record
 
-    def curves(self, number: int) -> Curves | None:
-        """The curves of a solved case; None if there are none."""
+    def left(self, number: int) -> Left | None:
+        """What a solved case leaves for its neighbours; None if it is not solved, or that is lost."""
         record = self.records.get(number)
-        return curves_in(self.folder, record) if record else None
+        small = _small(self.folder, record["key"]) if record and record["solved"] else None
+        return small[1] if small else None
 
     @contextmanager
     def _told(self, path: Path) -> Iterator[None]:
@@ -260,10 +262,10 @@ def _belongs(record: Any, plan: Plan) -> bool:
 def curves_in(folder: Path, record: Mapping[str, Any]) -> Curves | None:
     """The curves of a case that is solved; None if there are none."""
     small = _small(folder, record["key"]) if record["solved"] else None
-    return small[1] if small else None
+    return small[1].curves if small else None
 
 
-def _small(folder: Path, key: str) -> tuple[dict[str, Any], Curves] | None:
+def _small(folder: Path, key: str) -> tuple[dict[str, Any], Left] | None:
     """What the small result of a case holds; None if it is missing or broken."""
     with suppress(*BROKEN):
         return unpacked((folder / CASES / f"{key}.npz").read_bytes())

@@ -7,6 +7,7 @@ import pytest
 from command_line import trajopt
 
 from trajopt.problems.build import build, build_all
+from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.transcription.continuation import solve_spec, way_of
 from trajopt.transcription.solution.error import exactness, excesses
@@ -76,6 +77,23 @@ def test_phases_have_pairs_of_their_own_and_a_way_beside_others():
     first, second = build(spec).phases
     assert [own.name for own in first.complementarity] == ["ground"]
     assert [own.name for own in second.complementarity] == ["ground", "y_1_f"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("initial: h}", "initial: nonsense}", "states.y.initial"),
+        ("rate: v, initial: h}", "rate: v, initial: h, upper: 1/0}", "states.y.upper"),
+        ("f: {upper: 2000}", "f: {upper: most}", "controls.f.upper"),
+    ],
+)
+def test_an_unknown_end_of_what_may_not_be_negative_is_told(old, new, where):
+    """Found by the campaign of bad problem files: a KeyError."""
+    text = FALL.replace("a: y - floor", "a: y").replace(old, new)
+    assert new in text
+    with pytest.raises(SpecError) as caught:
+        load_text(text, "block.yaml")
+    assert [own.where.partition(": ")[2] for own in caught.value.mistakes] == [where]
 
 
 def test_the_table_json_and_hdf5_tell_it(folder):

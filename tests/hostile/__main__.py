@@ -15,6 +15,7 @@ from .campaign import COMMANDS, campaign
 from .disks import CASES
 from .disks import runs as of_disks
 from .files import OLD, RESULTS, always, bad_files, good_results
+from .life import grows, life
 from .moments import runs as of_moments
 from .processes import Count, Run, preload
 
@@ -40,6 +41,18 @@ def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in of_disks(CASES[: told.files], folder))
 
 
+def long_life(count: int) -> int:
+    """Print what many solves in one process leave; 1 if that grows."""
+    marks = {}
+    with tempfile.TemporaryDirectory() as name:
+        for solves, own in life(count, Path(name)):
+            marks[solves] = own
+            print(f"{solves} solves: " + ", ".join(f"{what} {value}" for what, value in own.items()), flush=True)
+    grown = grows(marks)
+    print("grows: " + (", ".join(grown) or "nothing"))
+    return int(bool(grown))
+
+
 KINDS = {
     "results": (results, 1500),
     "problems": (problems, 2000),
@@ -51,7 +64,7 @@ KINDS = {
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", choices=list(KINDS))
+    parser.add_argument("kind", choices=[*KINDS, "life"])
     parser.add_argument("--files", type=int, default=0, help="how many, of all that there are")
     parser.add_argument("--seed", type=int, default=0, help="of the choice among them")
     parser.add_argument("--skip", type=int, default=0, help="problem files to leave out at the start")
@@ -59,6 +72,8 @@ def main() -> int:
     parser.add_argument("--commands", nargs="*", default=list(COMMANDS), help=", ".join(COMMANDS))
     parser.add_argument("--sources", nargs="*", default=[*RESULTS, OLD], help="results that are made bad")
     told = parser.parse_args()
+    if told.kind == "life":
+        return long_life(told.files or 1000)
     make, usual = KINDS[told.kind]
     told.files = told.files or usual
     start, count = time.monotonic(), Count()

@@ -32,7 +32,7 @@ import numpy as np
 from ...problems.expressions.structure import Form
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Constraint as PathConstraint
-from ..constraint_kinds import LINK
+from ..constraint_kinds import kind_between
 from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..libraries.pyomo import AnyValue, Block, ConcreteModel, Constraint, Objective, Param, Var, pyomo
 from ..program.compiler import CompiledNLP
@@ -117,7 +117,7 @@ def _links(model: Any, problem: Problem, builders: Sequence[PhaseBuilder], data:
 
         constraint = Constraint(rule=rule)
         model.add_component(f"link{number}", constraint)
-        families.append(Family(constraint, BETWEEN, LINK, link.name, np.array([[0.0, 1.0]]), np.ones(1)))
+        families.append(Family(constraint, BETWEEN, kind_between(link), link.name, np.array([[0.0, 1.0]]), np.ones(1)))
     return families
 
 

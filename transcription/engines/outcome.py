@@ -127,3 +127,8 @@ class Outcome:
     iterations: dict[str, np.ndarray]
     solver: dict[str, Any] = field(default_factory=dict)
     failed: tuple[np.ndarray, list] | None = None
+
+    @property
+    def count(self) -> int:
+        """Of its iterations; the first record is of the start."""
+        return max(len(self.iterations["iteration"]) - 1, 0)

@@ -16,14 +16,13 @@ from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription
 from ..program.contract import NonlinearProgram
 from ..solution.trajectory import Trajectory, trajectories
-from ..solution.violation import constraint_named, of_phase, times_at, when_between
+from ..solution.violation import Trouble, constraint_named, of_phase, times_at, when_between
 
-LISTED = 6
 ACTIVE = 1e-4  # of the largest multiplier: smaller ones are what the barrier leaves on constraints that do not act
 
 
-def conflict(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> str:
-    """Which constraints cannot all hold, or "".
+def conflict(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Trouble:
+    """Which constraints cannot all hold, if that can be told.
 
     transcription: what stands where.
     nlp: its compiled program.
@@ -33,16 +32,12 @@ def conflict(transcription: Transcription, nlp: NonlinearProgram, outcome: Outco
     largest = max(np.abs(part).max(initial=0.0) for part in (outcome.y, outcome.z_lower, outcome.z_upper))
     limit = ACTIVE * float(largest)
     if not limit:
-        return ""
+        return Trouble()
     first = [part for layout in transcription.phases for part in _ends(layout, outcome, limit)]
     first += _parameters(transcription, outcome, limit)
     first += _constraints(transcription, nlp, outcome, phases, limit)
-    bounds = [part for layout in transcription.phases for part in _bounds(layout, outcome, phases, limit)]
-    if not first and not bounds:
-        return ""
-    shown = bounds[: max(LISTED - len(first), 0)]
-    more = [f"and {len(bounds) - len(shown)} more bounds"] if len(shown) < len(bounds) else []
-    return f"these cannot all hold: {', '.join([*first, *shown, *more])}"
+    first += [part for layout in transcription.phases for part in _bounds(layout, outcome, phases, limit)]
+    return Trouble("these cannot all hold: {}", tuple(first)) if first else Trouble()
 
 
 def _force(outcome: Outcome, places: np.ndarray) -> np.ndarray:

@@ -14,16 +14,15 @@ import numpy as np
 from ..engines.outcome import Outcome
 from ..layout import Transcription, bounded_start
 from ..program.contract import NonlinearProgram, NotFinite
-from ..solution.violation import constraint_named, of_phase
+from ..solution.violation import Trouble, constraint_named, of_phase
 
 RANK = 1e-9  # of the largest diagonal entry of R: below it, a row adds nothing
 SHARE = 0.05  # of the largest coefficient of a combination: smaller ones name nobody
 LARGEST = 3000  # equations of a program that is looked at
-LISTED = 4
 
 
-def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> str:
-    """Which equations are combinations of each other at a point, by name; "" if none are, or it cannot be said.
+def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Trouble:
+    """Which equations are combinations of each other at a point, if any are and it can be said.
 
     transcription: what stands where.
     nlp: its compiled program.
@@ -32,11 +31,11 @@ def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     _, lower, upper = bounded_start(transcription)
     fixed, rows = np.flatnonzero(lower == upper), np.flatnonzero(nlp.cl == nlp.cu)
     if not len(rows) or len(rows) + len(fixed) > LARGEST:
-        return ""
+        return Trouble()
     try:
         values = nlp.jacobian(outcome.z)
     except NotFinite:
-        return ""
+        return Trouble()
     at, columns = nlp.jacobianstructure()
     dense = np.zeros((nlp.m, nlp.n))
     np.add.at(dense, (at, columns), values)
@@ -44,13 +43,12 @@ def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     units[np.arange(len(fixed)), fixed] = 1.0
     combination = _combination(np.vstack([dense[rows], units]))
     if combination is None:
-        return ""
+        return Trouble()
     strong = np.abs(combination) > SHARE * np.abs(combination).max()
-    named = list(dict.fromkeys(_names(transcription, nlp, rows[strong[: len(rows)]], fixed[strong[len(rows) :]])))
+    named = tuple(dict.fromkeys(_names(transcription, nlp, rows[strong[: len(rows)]], fixed[strong[len(rows) :]])))
     if len(named) < 2:
-        return ""
-    shown = ", ".join(named[:LISTED]) + (f" and {len(named) - LISTED} more" if len(named) > LISTED else "")
-    return f"these say the same thing, at least at this point: {shown}; remove one of them"
+        return Trouble()
+    return Trouble("these say the same thing, at least at this point: {}; remove one of them", named)
 
 
 def _combination(matrix: np.ndarray) -> np.ndarray | None:

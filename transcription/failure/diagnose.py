@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from ..solution.violation import Violation
+from ..solution.violation import Trouble, Violation
 from .conflict import conflict
 from .dependent import dependent
 from .non_finite import explain_non_finite
@@ -21,22 +21,23 @@ NEVER_RAN = (Status.INVALID_OPTION, Status.INVALID_PROBLEM, Status.NO_MEMORY)
 
 def diagnose(
     transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome
-) -> tuple[tuple[Violation, ...], str]:
-    """The constraints that the last iterate violates, worst first, and what explains the failure, or "".
+) -> tuple[tuple[Violation, ...], Trouble]:
+    """The constraints that the last iterate violates, worst first, and what explains the failure.
 
     transcription: what stands where.
     nlp: its compiled program.
     outcome: how the engine ended.
     """
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
-        return (), runaway(transcription, outcome) if fallen(outcome) else ""
+        return (), Trouble(runaway(transcription, outcome) if fallen(outcome) else "")
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
-        return (), explain_non_finite(transcription, outcome.failed)
+        return (), Trouble(explain_non_finite(transcription, outcome.failed))
     found = tuple(violations(transcription, nlp, outcome.z))
     if outcome.failed and outcome.status in BROKEN:
-        return found, explain_non_finite(transcription, outcome.failed)
+        return found, Trouble(explain_non_finite(transcription, outcome.failed))
     if outcome.status is Status.INFEASIBLE:
         return found, conflict(transcription, nlp, outcome)
     if outcome.status is Status.OVERDETERMINED:
-        return found, counted(transcription, nlp)
-    return found, runaway(transcription, outcome) or dependent(transcription, nlp, outcome)
+        return found, Trouble(counted(transcription, nlp))
+    running = runaway(transcription, outcome)
+    return found, Trouble(running) if running else dependent(transcription, nlp, outcome)

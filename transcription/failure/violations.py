@@ -10,7 +10,6 @@ from ..program.contract import NonlinearProgram
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import Violation, constraint_named, times_at
 
-LISTED = 6
 NEGLIGIBLE = 1e-7  # IPOPT itself lets constraints be missed by 1e-8
 TELLING = 1e-4  # of the largest violation: smaller ones tell nothing
 
@@ -33,7 +32,7 @@ def violations(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarra
         worst[key] = max(worst.get(key, violation), violation, key=lambda v: v.amount)
     large = max((v.amount for v in worst.values()), default=0.0) * TELLING
     telling = (v for v in worst.values() if v.amount > max(large, NEGLIGIBLE))
-    return sorted(telling, key=lambda v: -v.amount)[:LISTED]
+    return sorted(telling, key=lambda v: -v.amount)
 
 
 def _worst(family: Family, excess: np.ndarray, trajectory: Trajectory | None) -> Violation:

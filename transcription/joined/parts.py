@@ -15,7 +15,7 @@ import numpy as np
 
 from ...problems.problem import Curves, Problem
 from ...problems.text import short_repr
-from ..constraint_kinds import LINK
+from ..constraint_kinds import kind_between
 from ..layout import BETWEEN, Family, Layout, Transcription
 from ..method_kind import MethodKind
 from ..schemes.mesh import Mesh
@@ -83,7 +83,10 @@ def by_parts(
         for family in part.transcription.families
     ]
     span, one = np.array([[0.0, 1.0]]), np.ones(1)
-    families += [Family(PartRows(None, i), BETWEEN, LINK, link.name, span, one) for i, link in enumerate(problem.links)]
+    families += [
+        Family(PartRows(None, i), BETWEEN, kind_between(link), link.name, span, one)
+        for i, link in enumerate(problem.links)
+    ]
     phases = tuple(layouts[i] for i in range(len(meshes)))
     return JoinedTranscription(problem, None, tuple(variables), phases, parameters, tuple(families), tuple(parts))
 

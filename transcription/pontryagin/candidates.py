@@ -54,18 +54,21 @@ def candidates(u: np.ndarray, within: np.ndarray, samples: int = SAMPLES) -> np.
     return np.concatenate([lower + width * np.concatenate(unit, axis=1), others], axis=1)
 
 
-def feasible(v: np.ndarray, within: np.ndarray, constrained: Constrained | None, k: np.ndarray) -> np.ndarray:
+def feasible(
+    v: np.ndarray, within: np.ndarray, constrained: Constrained | None, k: np.ndarray, steps: int = STEPS
+) -> np.ndarray:
     """Controls v, shape (n, B, S), moved onto the constraints; NaN where that does not succeed.
 
     v: controls within the box.
     within: the box, shape (2, n).
     constrained: the constraints, or None.
     k: the numbers of the samples, shape (S,).
+    steps: of Newton's method, at most.
     """
     if constrained is None:
         return v
     v, (lower, upper) = v.copy(), within[:, :, None, None]
-    for _ in range(STEPS):
+    for _ in range(steps):
         missed = _missed(v, constrained, k)
         if not (np.abs(missed) > 0).any():
             break

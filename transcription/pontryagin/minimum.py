@@ -15,10 +15,10 @@ import numpy as np
 from ...problems.text import short_repr
 from ..solution.hamiltonian import Constrained, Values, minimise
 from ..solution.lagrangian import PhaseLagrangian, Samples
-from .candidates import SAMPLES, box, candidates, feasible
+from .candidates import SAMPLES, STEPS, box, candidates, feasible
 
 AT_ONCE = 50_000  # values of H
-ROUGH_POINTS, ROUGH_SAMPLES = 50, 12
+ROUGH_POINTS, ROUGH_SAMPLES, ROUGH_STEPS = 50, 12, 6
 POLISHED = 2  # candidates at each point
 APART = 0.1  # of the box: two candidates to improve that are nearer than this would lead to the same minimum
 
@@ -63,15 +63,15 @@ def _least(
     within = box(u, bounds)
     tried = candidates(u, within, ROUGH_SAMPLES if rough else SAMPLES)
     parts = np.array_split(np.arange(u.shape[1]), 1 + u.shape[1] * tried.shape[1] // AT_ONCE)
-    found = [_least_of(_Part(hamiltonian, constrained, k), u[:, k], tried, within, rough) for k in parts]
+    found = [_least_of(_Part(hamiltonian, constrained, k, rough), u[:, k], tried, within) for k in parts]
     return np.concatenate([v for v, _ in found], axis=1), np.concatenate([value for _, value in found])
 
 
 class _Part:
     """H and its constraints at some of the samples, k (S,), which are numbered anew from 0."""
 
-    def __init__(self, hamiltonian: Values, constrained: Constrained | None, k: np.ndarray) -> None:
-        self.every = np.arange(len(k))
+    def __init__(self, hamiltonian: Values, constrained: Constrained | None, k: np.ndarray, rough: bool) -> None:
+        self.every, self.rough = np.arange(len(k)), rough
         self.hamiltonian: Values = lambda v, s: hamiltonian(v, k[s])
         self.constrained = None
         if constrained is not None:
@@ -82,19 +82,17 @@ class _Part:
 
     def values(self, v: np.ndarray, within: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Controls (n, B, S) moved onto the constraints, and H there (B, S), infinite where they are not met."""
-        v = feasible(v, within, self.constrained, self.every)
+        v = feasible(v, within, self.constrained, self.every, ROUGH_STEPS if self.rough else STEPS)
         H = self.hamiltonian(v, self.every)
         return v, np.where(np.isfinite(H), H, np.inf)
 
 
-def _least_of(
-    part: _Part, u: np.ndarray, tried: np.ndarray, within: np.ndarray, rough: bool
-) -> tuple[np.ndarray, np.ndarray]:
+def _least_of(part: _Part, u: np.ndarray, tried: np.ndarray, within: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """As `_least`, of one part, from its controls u (n, S) and from those to try (n, B)."""
     own = np.clip(u, *within[:, :, None])[:, None]
     v = np.concatenate([own, np.broadcast_to(tried[:, :, None], (*tried.shape, u.shape[1]))], axis=1)
     v, H = part.values(v, within)
-    if not rough:
+    if not part.rough:
         starts = [own[:, 0], *_best(v, H, np.diff(within, axis=0)[0])]
         polished = [minimise(part.hamiltonian, start, within, part.constrained).u for start in starts]
         w, value = part.values(np.stack(polished, axis=1), within)

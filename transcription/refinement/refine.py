@@ -227,16 +227,17 @@ class _Segments:
 
     def told(self, s: int) -> str:
         """Segment s in words: where it is, and why it is not good enough."""
-        knots, error = self.trajectory.knots, self.error
+        start, end = map(self.trajectory.told, self.trajectory.knots[s : s + 2])
+        error = self.error
         where = of_phase(self.trajectory.phase.name)
-        text = f"segment {s + 1}{where}, t = {knots[s]:.6g} to {knots[s + 1]:.6g}: error {error.relative[s]:.1e}"
+        text = f"segment {s + 1}{where}, t = {start:.6g} to {end:.6g}: error {error.relative[s]:.1e}"
         if self.excess[s] * self.trajectory.mesh.widths[s] > TOLERATED_EXCESS:
             name = max(error.excess, key=lambda name: error.excess[name][s])
             text += f", {name} exceeded by {self.excess[s]:.1e}"
         if error.worth[s] > self.tolerance:
             text += f", adds {error.worth[s]:.1e} of 1 + |J| to the error bar"
         if jump := self.switches.jump(s):
-            text += f", {jump.name} jumps at about t = {knots[s] + jump.tau * self.trajectory.h[s]:.6g}"
+            text += f", {jump.name} jumps at about t = {start + jump.tau * self.trajectory.h[s]:.6g}"
         return text
 
 

@@ -75,6 +75,7 @@ class ContinuationStep:
 class Solution:
     """What `solve` gives back, solved or not: the last mesh's trajectories and errors, and the history of meshes.
 
+    trouble: what explains a failed solve; involved: the names in it of all that cannot hold at once.
     unmet: the segments that refinement left above its tolerance, in words, the worst first. stopped: why the mesh after
     the last of the history is not in it, if refinement ended because that was not solved. objective_error: how far the
     objective is from the optimum. notes: what was done beyond what was asked, such as another start. relief: what of a
@@ -95,6 +96,7 @@ class Solution:
     objective_error: ObjectiveError
     violations: tuple[Violation, ...] = ()
     trouble: str = ""
+    involved: tuple[str, ...] = ()
     accept: Status = Status.SOLVED
     unmet: tuple[str, ...] = ()
     stopped: str = ""

@@ -24,6 +24,7 @@ from ..layout import Layout, Transcription
 from ..schemes.mesh import Mesh
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
+ROUNDING = 1e-9  # of the largest time
 ALIGNED = 1e-12  # of the duration: a time this near to the initial one is there
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
@@ -74,6 +75,12 @@ class Trajectory:
     def knots(self) -> np.ndarray:
         """The times of the segment edges, shape (N + 1,)."""
         return self.t[0] + (self.t[1] - self.t[0]) * self.mesh.edges
+
+    def told(self, t: float) -> float:
+        """A time as words tell it: 0 for what is 0 but for rounding, as in a phase that has shrunk to nothing."""
+        guess = self.phase.guess
+        largest = max(abs(own) for own in (*self.t.tolist(), guess.initial_time, guess.final_time))
+        return 0.0 if abs(t) < ROUNDING * largest else float(t)
 
     @cached_property
     def h(self) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,10 +28,19 @@ class Violation:
         return f"{constraint_named(self.phase, self.kind, self.name)}{when} missed by {self.amount:.2e}"
 
 
+class Trouble(NamedTuple):
+    """What explains a failed solve: words, with {} where the names of all that is involved belong, and these."""
+
+    words: str = ""
+    involved: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return self.words.replace("{}", ", ".join(self.involved)) if self.involved else self.words
+
+
 def times_at(trajectory: Trajectory, s: np.ndarray) -> list[float]:
-    """The times at normalised times s of a phase, shape (...)."""
-    times: list[float] = (trajectory.t[0] + (trajectory.t[1] - trajectory.t[0]) * s).tolist()
-    return times
+    """The times at normalised times s of a phase, shape (K,), as words tell them."""
+    return [trajectory.told(t) for t in trajectory.t[0] + (trajectory.t[1] - trajectory.t[0]) * s]
 
 
 def when_between(start: float, end: float) -> str:
