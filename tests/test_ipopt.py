@@ -233,3 +233,14 @@ def test_suggested_options_exist():
 def test_settings_reach_every_mesh():
     solution = solve(cartpole(), [STEP, replace(STEP, segments=20)], Settings({"mu_init": 0.02}))
     assert solution.solved and solution.outcome.solver["mu_init"] == 0.02
+
+
+@pytest.mark.parametrize(
+    ("segments", "options", "scaling"), [(20, {}, None), (10_000, {}, 0), (10_000, {"mumps_scaling": 77}, 77)]
+)
+def test_a_large_program_has_defaults_of_its_own_and_the_users_go_before(segments, options, scaling):
+    problem = build(load(shipped()["block_move_min_force"]))
+    settings = Settings(options, coarse_start=False)
+    found = solve(problem, [Step("trapezoid", segments, 1e-8)], settings)
+    assert (found.outcome.solver.get("mumps_scaling"), len(found.outcome.z) >= ipopt.LARGE) == (scaling, segments > 20)
+    assert found.solved and found.objective == pytest.approx(12, rel=0.01)

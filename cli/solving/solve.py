@@ -96,7 +96,8 @@ def solve(
         for job in jobs:
             solution = _solved(job, stop, quiet, verbose)
             path = _kept(job, solution)
-            _tell(path, json_, quiet)
+            if json_ or not (quiet and solution.solved):
+                _tell(path, json_, quiet)
             if plot:
                 from ..result_files.plot import draw_trajectory
 

@@ -58,6 +58,6 @@ def unpacked(content: bytes) -> tuple[dict[str, Any], Left]:
         }
         if "|y" not in arrays:
             return record, Left(curves)
-        start = Start(*(arrays[f"|{name}"] for name in MULTIPLIERS))
+        start = Start(*(arrays[f"|{name}"].astype(float).ravel() for name in MULTIPLIERS))
         points = tuple(curve.s for curve in curves.values())
         return record, Left(curves, Near(points, float(arrays["|objective"]), start))

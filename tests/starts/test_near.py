@@ -9,7 +9,7 @@ import pytest
 from command_line import process
 
 from trajopt.results.sweep.case import Task, solve_case
-from trajopt.results.sweep.small import packed, unpacked
+from trajopt.results.sweep.small import BROKEN, packed, unpacked
 from trajopt.transcription.continuation import solve_spec
 from trajopt.transcription.engines.outcome import Start, Status
 from trajopt.transcription.layout import bounded_start
@@ -159,6 +159,19 @@ def test_a_chained_case_starts_from_the_multipliers_of_its_neighbour():
     assert none.near is None and two.record["iterations"] < 0.8 * plain.record["iterations"]
     assert two.record["objective"] == pytest.approx(plain.record["objective"], rel=1e-8)
     assert two.record["start"] == "case 0"
+
+
+def test_foreign_multipliers_are_no_multipliers(solved):
+    """Text is a broken file; what is not finite foretells nothing, and is not started from."""
+    one, left, _ = chained()
+    text = replace(left.near, start=replace(left.near.start, y=np.array(["a", "b"])))
+    with pytest.raises(BROKEN):
+        unpacked(packed(one.record, replace(one.left, near=text)))
+    for wrong in (np.nan, np.inf):
+        y = np.full_like(near(solved).start.y, wrong)
+        strange = replace(near(solved), start=replace(near(solved).start, y=y))
+        plain, warm = (again(solved, own, "time.final=2.02") for own in (None, strange))
+        assert np.array_equal(plain.outcome.z, warm.outcome.z)
 
 
 def test_only_chained_cases_keep_multipliers():
