@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from .chains.write import write_out as write_out_chain
 from .checks.phases import check_spec
 from .checks.repair import repair
 from .checks.values import NO_STATES
@@ -175,8 +176,10 @@ def _written_out(
         wrong += exact_mesh(data, asked, given)
     elif data["mesh"] is chosen and data.get("refine") is None and not _meshes_of_phases(data):
         data["refine"] = {}
+    of_chain, mistaken = write_out_chain(data)
+    wrong += mistaken
     made |= {path: path for path in given}
-    locations = Locations(file, document.lines, before | given, document.blocks, write_out(data), made)
+    locations = Locations(file, document.lines, before | given, document.blocks, of_chain | write_out(data), made)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + _unsafe_options(data.get("solver"), locations)
     _measured_objective(data)

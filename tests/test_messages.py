@@ -88,9 +88,33 @@ MEASURED = {
     "guess": {"formulas": {"u": "1 - t"}, "data": {"time": [0, 2], "x": [0, 1]}},
 }  # fmt: skip
 PAIRS = {"complementarity": [{"name": "contact", "a": "x + 2", "b": "u + 9", "relax": [0.1, 0.01]}]}
+CHAIN = {
+    "model": {
+        "kind": "chain", "base": "cart", "gravity": 9.8, "angles": "relative", "zero": "up",
+        "cart": {"mass": "m", "motor": "u", "force": "-dx"},
+        "links": [
+            {"name": "arm", "mass": 1, "length": "d", "com": 0.5, "inertia": 0.1, "motor": True, "zero": "left"},
+            {"parent": "arm", "at": 0.4, "mass": 1, "length": 1, "torque": "-q2", "angle": "q2"},
+            {"joint": "fixed", "turn": 0.1, "mass": 1, "length": 1},
+        ],
+        "forces": [{"link": "arm", "at": 0.2, "x": "u", "y": 1}],
+    },
+    "states": {"v": {"unit": "m/s", "rate": "u - c*v", "initial": 0}},
+    "residuals": ["F - u"],
+}  # fmt: skip
+WALKER = {
+    "model": {
+        "kind": "chain", "zero": "up", "step": {"foot": "b", "swap": [["a", "b"]]},
+        "links": [{"name": "a", "mass": 1, "length": 1}, {"name": "b", "mass": 1, "length": 1, "zero": "down"}],
+    },
+    "states": {"x": {"rate": "v"}, "v": {"unit": "m/s", "rate": "u - c*v", "initial": 0}},
+    "residuals": ["F - u"],
+}  # fmt: skip
 # Keys that exclude others of the full file.
 OTHERS = {
-    **dict.fromkeys(("phases", "links"), PHASES),
+    "phases": PHASES,
+    **dict.fromkeys(("model", "cart", "links"), CHAIN),
+    "step": WALKER,
     **dict.fromkeys(("complementarity", "relax"), PAIRS),
     "measurements": MEASURED,
     "waypoints": WAYPOINTS,
@@ -179,7 +203,7 @@ def test_the_walk_meets_every_field():
         keys |= {path[-1] for path in paths(data)}
     known = {field.alias or key for model in models(Spec) for key, field in model.model_fields.items()}
     # a CSV file (see test_tables_files), other dynamics (see broken.timeless), and what is only written in short
-    assert known - keys == {"model", "next", "file", "arguments", "simulate", "apart"}
+    assert known - keys == {"next", "file", "arguments", "simulate", "apart"}
 
 
 @pytest.mark.parametrize(("number", "value"), list(enumerate(WRONG.values())), ids=WRONG.keys())
@@ -188,9 +212,11 @@ def test_no_message_is_foreign(number, value):
     full = full_data()
     phased = full_data("phases")
     of_phases = [path for path in paths(phased) if path[0] in ("phases", "links")]
-    places = [*paths(full), *of_phases]
-    for path in share(places, 3, first=number % 3):
-        data = replaced(phased if path[0] in ("phases", "links") else full, path, value)
+    robots = {own: full_data(own) for own in ("model", "step")}
+    of_chains = [(data, path) for data in robots.values() for path in paths(data) if path[0] == "model"]
+    places = [*((full, path) for path in paths(full)), *((phased, path) for path in of_phases), *of_chains]
+    for whole, path in share(places, 3, first=number % 3):
+        data = replaced(whole, path, value)
         try:
             load_text(written(data), "full.yaml", (), broken.METHODS)
         except SpecError as error:

@@ -19,7 +19,7 @@ from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
-from .scaling import scale
+from .scaling import Scaling, scale
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.error import ErrorProfile, error_profile
@@ -28,6 +28,7 @@ from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
 from .starts.near import Near, solved_from
+from .starts.small import sizes_of_small
 from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
 
@@ -159,7 +160,7 @@ def _run(
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
-    scaling = None if settings.scaling is None else scale(transcription, nlp, z, settings.scaling)
+    scaling = _scaling(transcription, nlp, z, settings)
     damped = start.damping.of(nlp, transcription)
     engine = engine_solve(settings.engine)
 
@@ -174,6 +175,14 @@ def _run(
     solution, solved = _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
     (record,) = solution.meshes
     return replace(solution, meshes=(replace(record, iterations=record.iterations + more),)), solved
+
+
+def _scaling(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings) -> Scaling | None:
+    """That of the settings; with none, that of unknowns that are small."""
+    sizes = settings.scaling
+    if sizes is None and settings.engine == "ipopt" and "nlp_scaling_method" not in settings.options:
+        sizes = sizes_of_small(transcription, z)
+    return None if sizes is None else scale(transcription, nlp, z, sizes)
 
 
 def _measured(
@@ -243,7 +252,7 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     nlp.seconds.update(dict.fromkeys(nlp.seconds, 0.0))
     product = max(AIM * gap / max(count, 1.0), SMALLEST_PRODUCT)
     options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
-    scaling = None if settings.scaling is None else scale(solved.transcription, nlp, z, settings.scaling)
+    scaling = _scaling(solved.transcription, nlp, z, settings)
     start = Start(solved.outcome.y, solved.outcome.z_lower, solved.outcome.z_upper)
     damped = solved.damping.of(nlp, solved.transcription)
     outcome = engine_solve(settings.engine)(

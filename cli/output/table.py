@@ -60,7 +60,7 @@ def _rounded(summary: dict[str, Any]) -> dict[str, Any]:
     least = ROUNDING * max(ends)
 
     def told(own: dict[str, Any] | None, *times: str) -> dict[str, Any] | None:
-        return own and {**own, **{key: 0.0 for key in times if own[key] is not None and abs(own[key]) < least}}
+        return own and {**own, **{key: 0.0 for key in times if own.get(key) is not None and abs(own[key]) < least}}
 
     return {
         **summary,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..expressions.signature import signature
+from ..expressions.signature import name_trouble, signature
 from ..text import brief
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .names import name_trouble
 
 MAX_ARGUMENTS = 20
 

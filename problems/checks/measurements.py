@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..expressions.functions import is_inconsistent
+from ..expressions.signature import name_trouble
 from ..expressions.tree import Operation, nodes
 from ..measured import compared
 from ..names.occurrences import measured_path
@@ -17,7 +18,6 @@ from ..tables.series import TIME
 from ..text import brief, did_you_mean, shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .names import name_trouble
 
 MAX_TIMES = 2000
 """Distinct ones of a phase: each is a knot of every mesh."""

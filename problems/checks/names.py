@@ -5,28 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Iterator
 
-from ..expressions.slips import MAX_NAME, RESERVED
+from ..expressions.slips import MAX_NAME
 from ..names.occurrences import boundary_names, link_names
 from ..schema.spec import Spec
 from ..text import brief
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TITLE = re.compile(r"\w[\w -]*")
-
-
-def name_trouble(name: str, reserved: Container[str] = RESERVED) -> tuple[str, str] | None:
-    """Why a name cannot be declared, whatever it is of, and the remedy; None if it can.
-
-    name: to be declared.
-    reserved: names with a meaning of their own.
-    """
-    if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
-        return f'"{brief(name)}" cannot be a name', f"use a letter, then letters, digits and _, at most {MAX_NAME}"
-    if name in reserved:
-        return f'the name "{name}" has a meaning of its own in expressions', f"choose another name, such as {name}1"
-    return None
 
 
 def check_names(spec: Spec) -> Iterator[Finding]:

@@ -22,7 +22,7 @@ _ANGLED = frozenset(("sin", "cos", "tan", "cot", "sec", "csc"))
 
 def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The warnings about a spec of one phase without mistakes."""
-    if not spec.model:
+    if not spec.shipped:
         yield from _moves_nothing(spec, symbols)
         yield from _unreachable(spec, symbols)
         yield from _in_no_time(spec, symbols)
@@ -151,8 +151,8 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     used = [node for use in uses(spec) for node in nodes(use.expression.root)]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
     named |= parameters_of(uses(spec))
-    if spec.model:
-        model = find_model(spec.model)
+    if spec.shipped:
+        model = find_model(spec.shipped)
         named |= {*model.parameters, *model.controls, *model.algebraic}
     named |= {column for entry in spec.measurements.values() for column in compared(entry, symbols)}
     outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
+from ..expressions.signature import name_trouble
 from ..expressions.tree import Operation, leaves, nodes
 from ..language.functions import called_functions
 from ..language.plain import shared_in_plain
@@ -24,7 +25,7 @@ from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .guesses import computed_guess, misnamed, uneven, unordered
-from .names import check_names, name_trouble
+from .names import check_names
 from .values import NO_STATES, check_phase
 
 OF_INTEGRALS = ("integral",)
@@ -53,13 +54,13 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     warnings: list[Finding] = []
     open_ends = list(_open_ends(spec))
     for name, phase in written.items():
-        if not phase.states and not phase.model:
+        if not phase.states and not phase.shipped:
             errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
             continue
         found, warned = check_phase(phase, whole, name)
         errors += (_at_home(spec, name, finding) for finding in found)
         warnings += (_at_home(spec, name, finding) for finding in warned)
-    if not all(phase.states or phase.model for phase in written.values()):
+    if not all(phase.states or phase.shipped for phase in written.values()):
         return errors, []
     own = phase_specs(spec)
     if open_ends:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
+from ..schema.model import is_chain
 from ..schema.spec import Spec
 from ..schema.tables import called_names
 from ..wishes.keys import meant
@@ -19,7 +20,7 @@ from ..yaml.document import Path
 from ..yaml.locations import MAX_FINDINGS
 
 _ROUNDS = 5  # removing one thing may show that another is missing
-_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "model"}
+_SECTIONS = {"parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize"}
 _FORMULAS = {
     "rate",
     "next",
@@ -56,7 +57,10 @@ def repair(data: dict[str, Any], error: ValidationError) -> Spec | None:
     for _ in range(_ROUNDS):
         for mistake in error.errors(include_url=False, include_input=False):
             path, extra = mistake["loc"], mistake["type"] == "extra_forbidden"
-            if len(path) <= 1 and (extra or not path or path[0] in _SECTIONS):
+            if path[:1] == ("model",) and is_chain(data["model"]):
+                data["model"] = ""  # what it declares stands in the sections already
+                continue
+            if path[:1] == ("model",) or (len(path) <= 1 and (extra or not path or path[0] in _SECTIONS)):
                 return None
             _replace(data, path, extra)
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from ..chains.check import value_mistakes
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
@@ -30,10 +31,10 @@ def structure_mistakes(spec: Spec, symbols: Symbols, numbers: Mapping[Path, floa
     symbols: its names and values.
     numbers: path -> value of every constant of the file that has one, in the unit of the file.
     """
-    found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec)]
+    found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec), *value_mistakes(spec, symbols)]
     if spec.solver.engine == "newton":
         found += _inequalities(spec, symbols, numbers)
-    return [*found, *(_model(spec, find_model(spec.model)) if spec.model else _residuals(spec, symbols))]
+    return [*found, *(_model(spec, find_model(spec.shipped)) if spec.shipped else _residuals(spec, symbols))]
 
 
 def structure_warnings(spec: Spec, symbols: Symbols) -> list[Finding]:

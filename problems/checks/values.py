@@ -6,7 +6,7 @@ from math import inf, isfinite
 
 from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
-from ..expressions.signature import signature
+from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import RESERVED
 from ..expressions.tree import leaves
 from ..language.functions import called_functions
@@ -32,7 +32,7 @@ from .ends import delay_mistakes, idle_histories, impossible_at_ends
 from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
-from .names import name_trouble, title_troubles
+from .names import title_troubles
 from .odd import odd, unused
 from .tables import beyond_tables
 
@@ -51,7 +51,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     whole: as of `checks.phases.check_spec`.
     phase: its name; of several, none needs an objective.
     """
-    if not (spec.model or spec.states or spec.static):
+    if not (spec.shipped or spec.states or spec.static):
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
@@ -114,7 +114,7 @@ class _Checker:
         """Names are words, not reserved, and each declared once."""
         spec = self.spec
         first: dict[str, str] = {}
-        model = find_model(spec.model) if spec.model else None
+        model = find_model(spec.shipped) if spec.shipped else None
         for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
             own = getattr(model, group, {})
             first |= dict.fromkeys(own, f"the model's {group}")
@@ -128,7 +128,9 @@ class _Checker:
                 self.name(state.path, state.name, first)
         for name in self.symbols.equations.outputs if self.symbols.equations else ():
             if name in first:
-                self.error((first[name], name), f"{name} is an output of the model {spec.model}", "choose another name")
+                self.error(
+                    (first[name], name), f"{name} is an output of the model {spec.shipped}", "choose another name"
+                )
 
     def function(self, key: str, first: dict[str, str]) -> None:
         """A name with arguments."""

@@ -30,8 +30,8 @@ def drawings_of(spec: Spec) -> dict[str, Drawing]:
     phases = phase_specs(spec)
     if spec.drawing:
         return {name: _of_file(phase) for name, phase in phases.items()}
-    if spec.model and find_model(spec.model).pose is not None:
-        return dict.fromkeys(phases, _of_model(spec.model))
+    if spec.shipped and find_model(spec.shipped).pose is not None:
+        return dict.fromkeys(phases, _of_model(spec.shipped))
     states = [*spec.states, "x", "y"][:2]
     shape = f"drawing: [{{circle: [{', '.join(states)}], radius: 0.1, trail: true}}]"
     what = "this problem has no drawing to animate"

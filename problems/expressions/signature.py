@@ -1,11 +1,29 @@
-"""How a function of the file is declared: drag(v, h)."""
+"""What may be a name, and how a function of the file is declared: drag(v, h)."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from typing import Any, NamedTuple
 
+from ..text import brief
+from .slips import MAX_NAME, RESERVED
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _SIGNATURE = re.compile(r"\s*([^()\s]+)\s*\((.*)\)\s*")
+
+
+def name_trouble(name: str, reserved: Container[str] = RESERVED) -> tuple[str, str] | None:
+    """Why a name cannot be declared, whatever it is of, and the remedy; None if it can.
+
+    name: to be declared.
+    reserved: names with a meaning of their own.
+    """
+    if not _NAME.fullmatch(name) or len(name) > MAX_NAME:
+        return f'"{brief(name)}" cannot be a name', f"use a letter, then letters, digits and _, at most {MAX_NAME}"
+    if name in reserved:
+        return f'the name "{name}" has a meaning of its own in expressions', f"choose another name, such as {name}1"
+    return None
 
 
 class Signature(NamedTuple):

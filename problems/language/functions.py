@@ -216,7 +216,7 @@ def _called(root: Node) -> set[str]:
 
 def _varying(spec: Spec) -> set[str]:
     """The names that have a value at every time."""
-    model = find_model(spec.model) if spec.model else None
+    model = find_model(spec.shipped) if spec.shipped else None
     found = {"t", *spec.states, *spec.controls, *spec.algebraic}
     found |= {
         entry.velocity.name if entry.velocity and entry.velocity.name else f"{name}_dot"

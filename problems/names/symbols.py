@@ -127,7 +127,7 @@ class Symbols:
         self.delayed = delayed_states(own, names, self._known, self.findings)
         self.roles |= dict.fromkeys(self.delayed, DELAYED)
         self._build_model(spec)
-        self._outputs_unknown = bool(spec.model) and self.equations is None
+        self._outputs_unknown = bool(spec.shipped) and self.equations is None
         self._check_all_names(own)
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
@@ -291,7 +291,7 @@ class Symbols:
 
     def _build_model(self, spec: Spec) -> None:
         """The equations of the model, if all its parameters are known, and its outputs as definitions."""
-        model = find_model(spec.model) if spec.model else None
+        model = find_model(spec.shipped) if spec.shipped else None
         if model is None or not model.parameters.keys() <= self.numbers.keys():
             return
         self.equations = model.equations({name: self.numbers[name] for name in model.parameters})

@@ -56,12 +56,12 @@ def reference(name: str) -> Expression:
 
 def states(spec: Spec) -> tuple[DeclaredState, ...]:
     """The states of the model, those of the file in its order, then the velocities of those given by accel."""
-    of_model = _of_model(spec.states, StateEntry(), find_model(spec.model).states) if spec.model else ()
+    of_model = _of_model(spec.states, StateEntry(), find_model(spec.shipped).states) if spec.shipped else ()
     positions = [
         DeclaredState(name, ("states", name), entry.unit or quantity.unit, entry) for name, entry, quantity in of_model
     ]
     velocities = []
-    own = {name: state for name, state in spec.states.items() if not spec.model or isinstance(state, IntegralState)}
+    own = {name: state for name, state in spec.states.items() if not spec.shipped or isinstance(state, IntegralState)}
     for name, state in own.items():
         path = ("states", name)
         if not state.second_order:
@@ -81,13 +81,13 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
 
 def controls(spec: Spec) -> tuple[Declared, ...]:
     """The controls of the file, or of its model."""
-    quantities = find_model(spec.model).controls if spec.model else None
+    quantities = find_model(spec.shipped).controls if spec.shipped else None
     return _inputs(("controls",), spec.controls, Control(), quantities)
 
 
 def algebraic(spec: Spec) -> tuple[Declared, ...]:
     """The algebraic variables, and after them the rates of the implicit states."""
-    quantities = find_model(spec.model).algebraic if spec.model else None
+    quantities = find_model(spec.shipped).algebraic if spec.shipped else None
     rates = (
         Declared(rate_of(state.name), state.path, _per_time(state.unit, spec), Algebraic())
         for state in states(spec)

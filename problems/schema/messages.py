@@ -18,6 +18,9 @@ from .spec import Spec
 # How the sections are written, by key; for other keys their description says it.
 EXAMPLES = {
     "time": "{initial: 0, final: 2}",
+    "model": "{kind: chain, links: [{mass: 1, length: 0.5, motor: true}]}",
+    "cart": "{mass: 1, motor: u}",
+    "links": "[{mass: 1, length: 0.5, motor: true}]",
     "initial": "0, or {lower: 0, upper: 1}",
     "final": "1, or {lower: 0.5, upper: 3}",
     "parameters": "{m: 2.0}",
@@ -43,7 +46,6 @@ EXAMPLES = {
     "boundary": '[{expression: "x[final] - x[initial]", equals: 1}]',
     "integral": "[{expression: u*v, upper: 10}]",
     "phases": "{boost: {time: {final: 10}}, coast: {controls: {u: {upper: 0}}}}",
-    "links": "[{from: boost, to: coast, except: [m]}]",
     "waypoints": "[{x: 1, y: 2}, {x: 3}]",
     "complementarity": "[{a: gap, b: force}]",
     "relax": "[1, 0.01, 1e-6]",
@@ -61,7 +63,7 @@ EXAMPLES = {
     "box": "[x, y]",
     "reference": "{objective: 6.0, tolerance: 1e-4}",
 }
-OF_THE_FILE = {"units": "off"}
+OF_THE_FILE = {"units": "off", "links": "[{from: boost, to: coast, except: [m]}]"}
 """Of the keys that mean something else at the top level of a file."""
 
 

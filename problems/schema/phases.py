@@ -6,7 +6,6 @@ from typing import Any, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
-from .complementarity import ComplementarityEntry
 from .declarations import (
     LOWER,
     NOTE,
@@ -22,7 +21,7 @@ from .declarations import (
 )
 from .fields import Entry, Formula, Text, mistake
 from .measurements import MAX_SETS, MeasuredEntry
-from .sections import MAX_NAMES, Constraints, GuessEntry, Objective
+from .sections import MAX_NAMES, ComplementarityEntry, Constraints, GuessEntry, Objective
 from .solving import MAX_MESHES, MeshEntry
 
 MAX_PHASES = 200

@@ -13,17 +13,16 @@ from pydantic import ConfigDict, Field, PrivateAttr, field_validator
 from pydantic.json_schema import GenerateJsonSchema
 
 from ..errors import Mistake
-from ..models import MODELS
-from ..text import brief, did_you_mean, shorten, tidy
+from ..text import brief, shorten, tidy
 from ..yaml.document import Path, in_words
 from ..yaml.locations import Finding, Locations
-from .complementarity import ComplementarityEntry
 from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, Residual, StateEntry, Static, Time
 from .drawing import MAX_SHAPES, ShapeEntry
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .measurements import MAX_SETS, MeasuredEntry
+from .model import CHAIN, ModelEntry
 from .phases import MAX_PHASES, NONE, LinkEntry, PhaseEntry, Waypoint
-from .sections import MAX_NAMES, Constraints, GuessEntry, Nonsmooth, Objective
+from .sections import MAX_NAMES, ComplementarityEntry, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
     DEFAULT_METHOD,
     DEFAULT_SEGMENTS,
@@ -84,10 +83,10 @@ class Spec(Entry):
     tables: dict[str, TableEntry] = Field(
         {}, max_length=MAX_NAMES, description="tables of data: name -> {points, values} or {file}, called as name(h)"
     )
-    model: Text = Field(
-        "",
-        description="name of a shipped model: it gives states, controls, algebraic variables, dynamics, constraints; "
-        "the file its parameters, and bounds and ends where there are any",
+    model: ModelEntry = Field(
+        ModelEntry.model_construct(kind=""),
+        description="a chain of links, {kind: chain, links: [...]}, or the name of a shipped model: it gives states, "
+        "controls, dynamics; the file its parameters, and bounds and ends where there are any",
     )
     time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")
     states: dict[str, StateEntry] = Field(
@@ -195,18 +194,15 @@ class Spec(Entry):
             raise mistake(f'the tag "{brief(twice)}" is given twice', "remove one of them")
         return value
 
-    @field_validator("model")
-    @classmethod
-    def _known_model(cls, value: str) -> str:
-        if value and value not in MODELS:
-            remedy = did_you_mean(value, MODELS, f"the models are {', '.join(MODELS)}")
-            raise mistake(f'there is no model "{brief(value)}"', remedy)
-        return value
+    @property
+    def shipped(self) -> str:
+        """Name of the shipped model that the dynamics are of; "" if there is none."""
+        return self.model.kind if self.model.kind != CHAIN else ""
 
     @property
     def static(self) -> bool:
         """Whether there is no time: static parameters are all that is to be found."""
-        return bool(self.optimize) and not (self.states or self.model or self.phases or self.waypoints)
+        return bool(self.optimize) and not (self.states or self.model.kind or self.phases or self.waypoints)
 
     @property
     def discrete(self) -> bool:
@@ -242,15 +238,17 @@ class Spec(Entry):
         places = {shown: place for place, shown in self._locations.overrides.items()}  # the innermost comes last
         kept = {shown: place for shown, place in places.items() if place[0] not in NO_OTHER_PROBLEM}
         data = self.model_dump(mode="json") if kept else {}
-        return {shown: _at(data, place) for shown, place in kept.items()}
+        found = {shown: _at(data, place) for shown, place in kept.items()}
+        made = {shown: self._locations.written_out(place) for shown, place in kept.items() if found[shown] is None}
+        return found | {shown: _at(data, place) for shown, place in made.items()}
 
     def __repr__(self) -> str:
         """The name, and what the file declares, in four lines; `model_dump` gives all of it."""
         groups = ("states", "controls", "algebraic", "optimize", "parameters", "expressions", "tables")
         named = {group: getattr(self, group) for group in groups}
         declared = [f"{group} {shorten(', '.join(names), 60)}" for group, names in named.items() if names]
-        if self.model:
-            declared.insert(0, f"model {self.model}")
+        if self.model.kind:
+            declared.insert(0, f"model {self.model.kind}")
         meshes = shorten(", ".join(f"{entry.method} {entry.number_of_segments}" for entry in self.mesh))
         refined = f", refined to {self.refine.tolerance:g}" if self.refine else ""
         half = (len(declared) + 1) // 2

@@ -39,7 +39,7 @@ def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
 
 def _has_units(spec: Spec) -> bool:
     """Whether a file gives a unit to anything but the time, which has one by default."""
-    if spec.model:
+    if spec.shipped:
         return True
     for own in (spec, *spec.phases.values()):
         for group in ("parameters", "expressions", "tables", "states", "controls", "algebraic", "optimize"):

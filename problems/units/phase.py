@@ -85,7 +85,7 @@ class PhaseUnits:
     def _declared(self) -> dict[str, Value]:
         """The units of all names that have one."""
         spec, units = self.spec, dict[str, Value]()
-        model = find_model(spec.model) if spec.model else None
+        model = find_model(spec.shipped) if spec.shipped else None
         for section in ("parameters", "expressions", "optimize"):
             for name, entry in getattr(spec, section).items():
                 if entry.unit:

@@ -66,6 +66,14 @@ class Locations:
             path = (*origins[path[:given]], *path[given:]) if given else path
         return path
 
+    def written_out(self, path: Path) -> Path:
+        """What a path in the file has become; the inverse of `as_written`."""
+        made = {written: own for own, written in self.short.items()}
+        for n in range(len(path), 0, -1):
+            if path[:n] in made:
+                return (*made[path[:n]], *path[n:])
+        return path
+
     def locate(self, mistakes: Iterable[Mistake]) -> list[Mistake]:
         """Mistakes whose `where` is a path such as solver.max_iter, with the file and line of that path."""
         located = []

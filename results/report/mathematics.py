@@ -83,7 +83,7 @@ def _merged(alike: list[tuple[str, Fixed]], phases: int) -> Fixed:
 
 def _parameters(spec: Spec) -> Iterator[Fixed]:
     numbers = Symbols(spec).numbers
-    quantities = find_model(spec.model).parameters if spec.model else {}
+    quantities = find_model(spec.shipped).parameters if spec.shipped else {}
     for name, parameter in spec.parameters.items():
         of_model = quantities.get(name)
         unit = parameter.unit or (of_model.unit if of_model else "")

@@ -6,6 +6,7 @@
 from trajopt.transcription.schemes import table as schemes
 
 from .case import Case, write
+from .chains import CHAINS
 from .complementarity import COMPLEMENTARITY
 from .dynamics import DYNAMICS, MODELS
 from .ends_over_time import ENDS_OVER_TIME
@@ -43,5 +44,5 @@ METHODS = tuple(schemes.METHODS)
 CASES = [
     *(*DYNAMICS, *MODELS, *CONSISTENT, *RANGES, *SOLVERS, *FILES, *KEYS, *PHASES, *COMPLEMENTARITY),
     *(*NUMBERS, *STRANGE, *NAMES, *EXPRESSIONS, *OVERRIDES, *TABLES, *GUESSES, *FUNCTIONS, *ENDS_OVER_TIME),
-    *(*MEASUREMENTS, *TIMELESS, *INTEGRALS, *LOOPS, *VECTORS),
+    *(*MEASUREMENTS, *TIMELESS, *INTEGRALS, *LOOPS, *VECTORS, *CHAINS),
 ]

@@ -199,3 +199,10 @@ def test_maximum_prices_have_the_sign_of_the_objective():
     assert solution.objective == pytest.approx(36, abs=1e-7)
     prices = solution.prices[0]
     assert (prices["two"], prices["three"], prices["a"]) == pytest.approx((1.5, 1.0, 0.0), abs=1e-6)
+
+
+def test_the_table_of_a_problem_without_time(folder):
+    """Nothing in it has a time; what is printed has none either."""
+    printed = trajopt("solve", "hyperbola").stdout
+    assert printed.startswith("nearest point of a hyperbola: solved\n") and "\npoint       x1 = 1.73205" in printed
+    assert "t =" not in printed

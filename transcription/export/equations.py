@@ -129,8 +129,8 @@ class _Phase:
         return Formula(inside.behind(sign).before(end).pieces, Binding.PRODUCT)
 
     def dynamics(self) -> Iterator[Equation | Formula]:
-        if self.spec.model:
-            yield Equation(words=f"Rates and residuals are those of the model {self.spec.model}.")
+        if self.spec.shipped:
+            yield Equation(words=f"Rates and residuals are those of the model {self.spec.shipped}.")
         for state in self.states:
             if state.rate is not None and not state.implicit:
                 rate = self.write.notation.formula(f"{state.name}[rate]")

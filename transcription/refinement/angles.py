@@ -12,7 +12,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...problems.problem import Curves, Function, Guess, Phase, Variable
+from ...problems.problem import Curves, Guess, Phase
+from ...problems.quantities import Function, Variable
 from ..solution.trajectory import Trajectory
 
 TURNS = (2 * np.pi, 360.0)

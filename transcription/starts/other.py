@@ -17,7 +17,7 @@ import numpy as np
 from ...problems.expressions.structure import form_of
 from ...problems.probe import depends_on
 from ...problems.problem import Curves, Guess, Phase, Problem
-from ...problems.quantities import Variable
+from ...problems.quantities import State, Variable
 from ..program.alone import building
 from ..program.pointwise import compiled_values
 
@@ -195,11 +195,21 @@ def without_effect(problem: Problem, guesses: Sequence[Curves]) -> list[str]:
 
 
 def _without_effect(phase: Phase, guess: Curves, name: str) -> bool:
-    rates = [state.rate for state in phase.states if depends_on(state.rate, {name})]
+    found = slopes(phase, guess, name, [state for state in phase.states if depends_on(state.rate, {name})])
+    return bool(found) and all((np.abs(slope) <= NO_SLOPE).all() for slope in found)
+
+
+def slopes(phase: Phase, guess: Curves, name: str, states: Sequence[State]) -> list[np.ndarray]:
+    """The derivatives of the rates of some states by an input or a parameter, at POINTS points along a trajectory.
+
+    phase: of the states.
+    guess: the trajectory.
+    name: of the input or the parameter.
+    states: whose rates have it.
+    """
     s = np.linspace(0.0, 1.0, POINTS)
     values: dict[str, Any] = {**guess.samples(s), **guess.parameters}
     values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
     values[name] = values[name] + 1j * TINY
     with np.errstate(all="ignore"):
-        slopes = [np.imag(rate(values, np)) / TINY for rate in rates]
-    return bool(rates) and all((np.abs(slope) <= NO_SLOPE).all() for slope in slopes)
+        return [np.imag(state.rate(values, np)) / TINY for state in states]

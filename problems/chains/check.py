@@ -1,0 +1,213 @@
+"""Mistakes of a chain that its schema cannot see: links on nothing, motors where nothing turns, masses below zero."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..names.symbols import Symbols
+from ..schema.model import BASE, CART, CHAIN, FIXED, FLOATING, RELATIVE, REVOLUTE, ChainLink, ModelEntry
+from ..schema.spec import Spec
+from ..text import brief, did_you_mean
+from ..yaml.document import Path
+from ..yaml.locations import Finding
+from .bodies import angle_names, names_of
+from .motion import CART_NAME, TOTAL, Chain
+from .step import Step
+
+_TAKEN = (BASE, CART_NAME, "com", CHAIN)
+"""Names that no link may have: those of outputs and constants begin with them."""
+
+_DYNAMICS = ("rate", "next", "accel")
+
+
+def mistakes(entry: ModelEntry, data: Mapping[str, Any]) -> list[Finding]:
+    """Every mistake of a chain that the schema has passed.
+
+    entry: the section `model:` of the file.
+    data: of the file.
+    """
+    names = names_of(entry.links)
+    found = [*_base(entry), *_names(entry, names), *_angles(entry, data)]
+    for number, link in enumerate(entry.links):
+        path: Path = ("model", "links", number)
+        found += [*_hangs(entry, names, number, path), *_joint(entry, link, path), *_rod(link, path)]
+    for number, force in enumerate(entry.forces):
+        if force.link not in names:
+            remedy = did_you_mean(force.link, names, f"the links are {', '.join(names)}")
+            found.append(Finding(("model", "forces", number, "link"), f"there is no link {brief(force.link)}", remedy))
+    return [*found, *_step(entry, names)]
+
+
+def _base(entry: ModelEntry) -> Iterator[Finding]:
+    if entry.cart and entry.base != CART:
+        yield Finding(
+            ("model", "cart"), f"the base is {entry.base}, so there is no cart", "write base: cart, or remove cart:"
+        )
+    if entry.base == CART and not entry.cart:
+        yield Finding(("model", "base"), "the mass of the cart is missing", "add cart: {mass: 1, motor: u}")
+
+
+def _names(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:
+    for number, name in enumerate(names):
+        path: Path = ("model", "links", number, "name")
+        if name in _TAKEN:
+            yield Finding(
+                path, f"the name {name} has a meaning of its own in a chain", f"choose another, such as {name}1"
+            )
+        elif name in names[:number]:
+            yield Finding(path, f"two links are called {name}", "give each a name of its own")
+
+
+def _angles(entry: ModelEntry, data: Mapping[str, Any]) -> Iterator[Finding]:
+    """One name for each angle, and no dynamics for it but those of the chain."""
+    angles = list(angle_names(entry.links))
+    moving = [q for q in angles if q]
+    if not moving and entry.base != FLOATING:
+        yield Finding(("model", "links"), "no link of this chain can turn", "remove joint: fixed from one of them")
+    for q, count in Counter(moving).items():
+        if count > 1:
+            number = len(angles) - 1 - angles[::-1].index(q)
+            yield Finding(
+                ("model", "links", number, "angle"), f"two angles are called {q}", "give each a name of its own"
+            )
+    states = data.get("states")
+    chain = {*moving, *("x", "y")[: {CART: 1, FLOATING: 2}.get(entry.base, 0)]}
+    chain |= {f"d{q}" for q in chain}
+    for name, own in states.items() if isinstance(states, dict) else ():
+        given = own if isinstance(own, dict) else {}
+        if name in chain:
+            for key in (key for key in _DYNAMICS if given.get(key) is not None):
+                yield Finding(("states", name, key), f"the dynamics of {name} are those of the chain", f"remove {key}:")
+        elif not any(given.get(key) is not None for key in (*_DYNAMICS, "velocity")) and not data.get("residuals"):
+            others = f"its states are {', '.join(sorted(chain))}; a state of the file's own needs rate:"
+            yield Finding(
+                ("states", name), f"the chain has no {brief(name)} among its states", did_you_mean(name, chain, others)
+            )
+
+
+def _hangs(entry: ModelEntry, names: list[str], number: int, path: Path) -> Iterator[Finding]:
+    """Each link hangs on the base, or on a link before it."""
+    on, before = entry.links[number].parent, names[:number]
+    if on in ("", BASE, *before):
+        if entry.links[number].at is not None and (on == BASE or number == 0):
+            yield Finding((*path, "at"), "all that hangs on the base hangs at one point", "remove at:")
+        return
+    if on in names:
+        what = (
+            f"{names[number]} hangs on {on}, which comes after it" if on != names[number] else f"{on} hangs on itself"
+        )
+        yield Finding(
+            (*path, "parent"), what, "write the links from the base outwards, each after the one that it hangs on"
+        )
+        return
+    known = [BASE, *before]
+    yield Finding(
+        (*path, "parent"),
+        f"there is no link {brief(on)}",
+        did_you_mean(on, known, f"it may hang on {' or '.join(known)}"),
+    )
+
+
+def _joint(entry: ModelEntry, link: ChainLink, path: Path) -> Iterator[Finding]:
+    """What a joint has: motor, torque and angle where it turns, turn where it is fixed."""
+    on_base = link.parent == BASE or (not link.parent and path[-1] == 0)
+    if link.joint != REVOLUTE:
+        for key in ("motor", "torque", "angle", "zero"):
+            if getattr(link, key) not in (None, False, ""):
+                yield Finding(
+                    (*path, key), f"a fixed joint does not turn, so it has no {key}", f"remove {key}:, or joint: fixed"
+                )
+        return
+    if link.turn is not None:
+        yield Finding(
+            (*path, "turn"), "turn is of fixed joints, and this one turns", "remove it, or write joint: fixed"
+        )
+    if link.zero and entry.angles == RELATIVE and not on_base:
+        what = "a relative angle is zero where the link goes on straight from the one before it"
+        yield Finding((*path, "zero"), what, "remove zero:, or write angles: absolute")
+    for key in ("motor", "torque") if entry.base == FLOATING and on_base else ():
+        if getattr(link, key) not in (None, False):
+            what = f"the base is floating, so there is nothing that this {key} could push against"
+            yield Finding((*path, key), what, f"remove {key}:, or write base: fixed")
+
+
+def _rod(link: ChainLink, path: Path) -> Iterator[Finding]:
+    for given, lacking, example in (("com", "inertia", "0 for a point mass"), ("inertia", "com", "half its length")):
+        if getattr(link, given) is not None and getattr(link, lacking) is None:
+            what = f"{given} is given without {lacking}; only a uniform rod has both by itself"
+            yield Finding((*path, given), what, f"add {lacking}:, such as {example}, or remove {given}:")
+
+
+def value_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """Numbers of a chain that no body has; spec: of a phase."""
+    if spec.model.kind != CHAIN or TOTAL not in symbols.roles:
+        return
+    chain = Chain(spec.model)
+    for name, key in _given(chain):
+        path: Path = ("expressions", name)
+        value = symbols.fixed.get(name)
+        if symbols.varies(name):
+            what = f"the {key} of a chain is one number, and this varies in time"
+            yield Finding(path, what, "make it of numbers and parameters")
+        elif value is not None and (value < 0 if key != "length" else value <= 0):
+            remedy = "write a length above zero" if key == "length" else "write a value that is not negative"
+            yield Finding(path, f"the {key} is {value:g}", remedy)
+    for body in chain.bodies:
+        turned = [own for own in chain.bodies if body.q and body.q in own.turning]
+        if turned and all(symbols.fixed.get(chain.mass(own, own), 1.0) == 0 for own in turned):
+            what = f"nothing that turns with {body.q} has a mass at a distance or an inertia, so nothing holds it back"
+            yield Finding(("model", "links", body.number), what, "give a mass and a length, or an inertia, above zero")
+    yield from _goes_on(chain, symbols)
+
+
+def _given(chain: Chain) -> Iterator[tuple[str, str]]:
+    """(name, key) of the masses, lengths and inertias that the file gives."""
+    if chain.entry.cart:
+        yield f"{CART_NAME}_mass", "mass"
+    for body in chain.bodies:
+        yield from (
+            (body.constant(key), key) for key in ("mass", "length", "inertia") if getattr(body.link, key) is not None
+        )
+
+
+def _step(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:
+    """A step is for a walker that stands on one point, and swaps links that it has."""
+    if entry.step is None:
+        return
+    path: Path = ("model", "step")
+    for wrong, what, remedy in (
+        (entry.base != FIXED, f"the base is {entry.base}", "write base: fixed: the foot that stands is the base"),
+        (entry.angles == RELATIVE, "angles are relative", "write angles: absolute, which the legs can swap"),
+        (any(link.joint != REVOLUTE for link in entry.links), "the chain has a fixed joint", "make one link of both"),
+    ):
+        if wrong:
+            yield Finding(path, f"a step is for walkers that swap their legs, and {what}", remedy)
+    swapped = [name for pair in entry.step.swap for name in pair]
+    given = [((*path, "foot"), entry.step.foot)]
+    given += [((*path, "swap", i, j), name) for i, pair in enumerate(entry.step.swap) for j, name in enumerate(pair)]
+    for place, name in given:
+        if name not in names:
+            yield Finding(
+                place, f"there is no link {brief(name)}", did_you_mean(name, names, f"the links are {', '.join(names)}")
+            )
+    for name in (name for name, count in Counter(swapped).items() if count > 1):
+        yield Finding((*path, "swap"), f"{brief(name)} is swapped more than once", "name each link once")
+
+
+def _goes_on(chain: Chain, symbols: Symbols) -> Iterator[Finding]:
+    """After a step each link is where one was before it."""
+    if chain.entry.step is None or not all(name in symbols.fixed for name in _measures(chain)):
+        return
+    if found := Step(chain, chain.entry.step).misplaced(symbols.fixed):
+        new, old = found
+        what = f"after a step {new} is not what and where {old} was before it" if new != old else f"a step moves {new}"
+        remedy = "give both legs the same numbers; com: is from the joint that is nearer to the standing foot"
+        yield Finding(("model", "step"), what, remedy)
+
+
+def _measures(chain: Chain) -> Iterator[str]:
+    """The names of all that places and masses of links are made of."""
+    for body in chain.bodies:
+        yield from (*body.tip.values(), *body.centre.values(), body.constant("mass"), body.constant("inertia"))

@@ -1,0 +1,82 @@
+"""The equations of motion of a chain, derived a second time: by SymPy, from energies and virtual work."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import sympy as sp
+
+ZERO = {"right": 0, "up": sp.pi / 2, "left": sp.pi, "down": -sp.pi / 2}
+
+
+@dataclass
+class Link:
+    """on: index of the link that it hangs on, -1 for the base. turn: of a fixed joint, None where it turns."""
+
+    m: float
+    l: float  # noqa: E741
+    d: float
+    I: float  # noqa: E741
+    on: int = -1
+    at: float | None = None
+    zero: str = "down"
+    turn: float | None = None
+    torque: float = 0.0
+
+
+@dataclass
+class Robot:
+    """forces: (link, distance from its joint, Fx, Fy). base: "fixed", "cart" or "floating"."""
+
+    links: list[Link]
+    base: str = "fixed"
+    relative: bool = False
+    g: float = 9.81
+    cart: float = 0.0
+    push: float = 0.0
+    forces: list[tuple[int, float, float, float]] = field(default_factory=list)
+
+    def residuals(self, q, dq, ddq) -> np.ndarray:
+        """d/dt dL/dq' - dL/dq - Q of each coordinate: those of the base first, then the angles, all at one point."""
+        n = len(q)
+        z, v, a = (sp.symbols(f"{name}:{n}") for name in "zva")
+        energy, potential, work, joints, tips, angles = 0, 0, 0, [], [], []
+        moving = list(z)
+        base = {"fixed": (0, 0), "cart": (z[0], 0), "floating": tuple(z[:2])}[self.base]
+        del moving[: {"fixed": 0, "cart": 1, "floating": 2}[self.base]]
+        if self.base == "cart":
+            energy += self.cart * v[0] ** 2 / 2
+            work += self.push * z[0]
+        speed = lambda f: sum(sp.diff(f, own) * rate for own, rate in zip(z, v, strict=True))  # noqa: E731
+        for link in self.links:
+            before = angles[link.on] if link.on >= 0 else 0
+            if link.turn is not None:
+                angle = (before if link.on >= 0 else ZERO[link.zero]) + link.turn
+            else:
+                angle = moving.pop(0) + (before if self.relative and link.on >= 0 else ZERO[link.zero])
+                work += link.torque * (angle - before)
+            origin = base
+            if link.on >= 0:
+                along = self.links[link.on].l if link.at is None else link.at
+                origin = tuple(
+                    p + along * e for p, e in zip(joints[link.on], (sp.cos(before), sp.sin(before)), strict=True)
+                )
+            joints.append(origin)
+            angles.append(angle)
+            x, y = (p + link.d * e for p, e in zip(origin, (sp.cos(angle), sp.sin(angle)), strict=True))
+            tips.append(tuple(p + link.l * e for p, e in zip(origin, (sp.cos(angle), sp.sin(angle)), strict=True)))
+            energy += link.m * (speed(x) ** 2 + speed(y) ** 2) / 2 + link.I * speed(angle) ** 2 / 2
+            potential += link.m * self.g * y
+        for number, distance, fx, fy in self.forces:
+            x, y = (
+                p + distance * e
+                for p, e in zip(joints[number], (sp.cos(angles[number]), sp.sin(angles[number])), strict=True)
+            )
+            work += fx * x + fy * y
+        self.tips, self.z, self.v = tips, z, v
+        momenta = [sp.diff(energy, rate) for rate in v]
+        found = []
+        for own, p in zip(z, momenta, strict=True):
+            change = sum(sp.diff(p, c) * r + sp.diff(p, r) * s for c, r, s in zip(z, v, a, strict=True))
+            found.append(change - sp.diff(energy - potential, own) - sp.diff(work, own))
+        values = dict(zip((*z, *v, *a), (*q, *dq, *ddq), strict=True))
+        return np.array([float(one.subs(values)) for one in found])

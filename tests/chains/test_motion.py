@@ -1,0 +1,190 @@
+"""Chains against Lagrange's equations by SymPy, against files with the equations written out, and against the biped."""
+
+import numpy as np
+import pytest
+from walker import LINKS, LOPSIDED, parameters
+
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.problems.models import find_model
+
+from .lagrange import Link, Robot
+
+HEAD = 'trajopt: 1\ntime: {initial: 0, final: {lower: 1, upper: 2}}\nobjective: {minimize: {terminal: "t[final]"}}\n'
+
+
+def model(robot: Robot) -> str:
+    """The section `model:` of a robot, in numbers."""
+    lines = [f"model:\n  kind: chain\n  base: {robot.base}\n  gravity: {robot.g}\n"]
+    lines += ["  angles: relative\n"] * robot.relative
+    lines += [f"  cart: {{mass: {robot.cart}, force: {robot.push}}}\n"] * (robot.base == "cart")
+    lines += ["  links:\n"]
+    for i, link in enumerate(robot.links):
+        on = "base" if link.on < 0 else f"b{link.on}"
+        keys = [f"name: b{i}, mass: {link.m}, length: {link.l}, com: {link.d}, inertia: {link.I}, parent: {on}"]
+        keys += [f"at: {link.at}"] * (link.at is not None)
+        keys += [f"joint: fixed, turn: {link.turn}"] * (link.turn is not None)
+        keys += [f"zero: {link.zero}"] * (link.turn is None and not (robot.relative and link.on >= 0))
+        keys += [f"torque: {link.torque}"] * (link.torque != 0)
+        lines.append(f"    - {{{', '.join(keys)}}}\n")
+    lines += ["  forces:\n"] * bool(robot.forces)
+    lines += [f"    - {{link: b{n}, at: {d}, x: {fx}, y: {fy}}}\n" for n, d, fx, fy in robot.forces]
+    return "".join(lines)
+
+
+def values_at(phase, q, dq, ddq) -> dict[str, float]:
+    names = [state.name for state in phase.states]
+    half = len(names) // 2
+    rates = [own.name for own in phase.algebraic]
+    return {"t": 0.0, **dict(zip((*names, *rates), (*q, *dq, *ddq), strict=True)), "half": half}
+
+
+def residuals(text: str, q, dq, ddq) -> np.ndarray:
+    (phase,) = build(load_text(HEAD + text, "chain.yaml")).phases
+    values = values_at(phase, q, dq, ddq)
+    return np.array([row.function(values, np) for row in phase.residuals])
+
+
+ROBOTS = {
+    "one link": Robot([Link(1.3, 0.7, 0.3, 0.05)]),
+    "a double pendulum": Robot(
+        [Link(1.3, 0.7, 0.3, 0.05, zero="up"), Link(0.8, 0.5, 0.2, 0.02, on=0, torque=1.7, zero="up")]
+    ),
+    "relative angles": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05, torque=-2.0, zero="right"),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, torque=1.7),
+            Link(0.4, 0.3, 0.1, 0.01, on=1, torque=0.3),
+        ],
+        relative=True,
+    ),
+    "a tree": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05, zero="up"),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, torque=2.0),
+            Link(0.4, 0.3, 0.1, 0.01, on=0, at=0.45, zero="left"),
+            Link(0.3, 0.2, 0.1, 0.005, on=2, torque=-0.4, zero="right"),
+        ],
+        forces=[(3, 0.15, 1.2, -0.7), (0, 0.2, 0.5, 0.0)],
+    ),
+    "two poles on a cart": Robot(
+        [Link(0.5, 1.0, 0.5, 0.04), Link(0.2, 0.6, 0.3, 0.01)], base="cart", cart=2.0, push=1.5
+    ),
+    "a fixed joint": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, turn=0.6),
+            Link(0.4, 0.3, 0.1, 0.01, on=1, torque=0.9),
+        ],
+        base="cart",
+        cart=1.1,
+    ),
+    "a tree of relative angles that flies": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05, zero="up"),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, torque=2.0),
+            Link(0.4, 0.3, 0.1, 0.01, on=0, at=0.45, turn=-0.3),
+            Link(0.3, 0.2, 0.1, 0.005, on=2, torque=-0.4),
+        ],
+        base="floating",
+        relative=True,
+        g=1.62,
+        forces=[(1, 0.5, 3.0, 4.0)],
+    ),
+    "in a horizontal plane": Robot([Link(1.3, 0.7, 0.3, 0.05), Link(0.8, 0.5, 0.2, 0.02, on=0)], g=0.0),
+}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_equations_are_those_of_lagrange(name):
+    robot, rng = ROBOTS[name], np.random.default_rng(3)
+    moving = sum(link.turn is None for link in robot.links) + {"fixed": 0, "cart": 1, "floating": 2}[robot.base]
+    for _ in range(3):
+        q, dq, ddq = rng.uniform(-2, 2, (3, moving))
+        found = residuals(model(robot), q, dq, ddq)
+        assert found == pytest.approx(robot.residuals(q, dq, ddq), rel=1e-11, abs=1e-11)
+
+
+def test_a_moving_tip_and_the_centre_of_mass():
+    """Positions, velocities and accelerations of points against finite differences along a motion."""
+    robot = ROBOTS["a tree of relative angles that flies"]
+    asked = [f"{name}_{kind}{axis}" for name in ("b3", "com") for kind in ("", "v", "a") for axis in "xy"]
+    text = (
+        model(robot)
+        + "constraints:\n  path:\n"
+        + "".join(f"    - {{expression: {own}, upper: 100}}\n" for own in asked)
+    )
+    (phase,) = build(load_text(HEAD + text, "chain.yaml")).phases
+    rows = dict(zip(asked, phase.path, strict=True))
+    rng = np.random.default_rng(5)
+    q, dq, ddq = rng.uniform(-2, 2, (3, 5))
+    step = 1e-4
+
+    def at(time, name):
+        values = values_at(phase, q + dq * time + ddq * time**2 / 2, dq + ddq * time, ddq)
+        return rows[name].function(values, np)
+
+    for name in ("b3", "com"):
+        for axis in "xy":
+            for low, high in (("", "v"), ("v", "a")):
+                slope = (at(step, f"{name}_{low}{axis}") - at(-step, f"{name}_{low}{axis}")) / (2 * step)
+                assert at(0.0, f"{name}_{high}{axis}") == pytest.approx(slope, rel=1e-6, abs=1e-6)
+    robot.residuals(q, dq, ddq)
+    tip = [float(own.subs(dict(zip(robot.z, q, strict=True)))) for own in robot.tips[3]]
+    assert [at(0.0, f"b3_{axis}") for axis in "xy"] == pytest.approx(tip, rel=1e-13)
+
+
+# -- the five-link biped of Kelly 2017 -------------------------------------------------------------------------------
+
+BIPED = """\
+model:
+  kind: chain
+  gravity: g
+  zero: up
+  links:
+    - {name: a, mass: m1, length: l1, com: l1 - d1, inertia: I1, motor: true}
+    - {name: b, mass: m2, length: l2, com: l2 - d2, inertia: I2, motor: true}
+    - {name: c, mass: m3, length: l3, com: d3, inertia: I3, motor: true}
+    - {name: d, parent: c, at: 0, mass: m4, length: l4, com: d4, inertia: I4, motor: true, zero: down}
+    - {name: e, mass: m5, length: l5, com: d5, inertia: I5, motor: true, zero: down}
+"""
+STEP = "  step: {foot: e, swap: [[a, e], [b, d]]}\n"
+CARRIED = np.triu(np.ones((5, 5)))
+"""(F.4)-(F.8) are about all that a joint carries: sums of the equations of the links."""
+
+
+def phase_of(table, step: str = ""):
+    given = parameters(table)
+    numbers = ", ".join(f"{name}: {value}" for name, value in given.items() if name != "step_length")
+    (phase,) = build(load_text(HEAD + f"parameters: {{{numbers}}}\n" + BIPED + step, "biped.yaml")).phases
+    return phase, find_model("five_link_biped").build(given)
+
+
+def test_the_biped_is_a_chain():
+    """M and C of single stance against the model in Python, no two links alike."""
+    phase, equations = phase_of(LOPSIDED)
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        q, dq, ddq, u = rng.uniform(-1.2, 1.2, (4, 5)) * np.array([[1], [5], [20], [60]])
+        torques = {f"u{i}": own for i, own in zip(LINKS, u, strict=True)}
+        chain = np.array([row.function(values_at(phase, q, dq, ddq) | torques, np) for row in phase.residuals])
+        names = [f"{name}{i}" for name in ("q", "dq", "ddq") for i in LINKS]
+        values = dict(zip(names, (*q, *dq, *ddq), strict=True)) | torques
+        known = np.array([balance(values, np) for balance in equations.residuals.values()])
+        assert -CARRIED @ chain == pytest.approx(known, rel=1e-11, abs=1e-10)
+
+
+def test_the_step_of_the_biped_is_that_of_the_paper():
+    """(F.9) and (F.11)-(F.15)."""
+    table = {key: (row[0], row[1], row[2], row[1], row[0]) for key, row in LOPSIDED.items()}
+    phase, equations = phase_of(table, STEP)
+    rng = np.random.default_rng(2)
+    names = [f"{name}{i}{end}" for end in ("[initial]", "[final]") for name in ("q", "dq") for i in LINKS]
+    for _ in range(20):
+        values = dict(zip(names, rng.uniform(-2, 2, 20), strict=True))
+        own = np.array([row.function(values, np) for row in phase.boundary])
+        known = {name: function(values, np) for name, (function, _) in equations.boundary.items()}
+        swaps = [value for name, value in known.items() if name.startswith("swap")]
+        strikes = [value for name, value in known.items() if name.startswith("heel")]
+        assert own[:5] == pytest.approx(swaps, rel=1e-12)
+        assert -CARRIED @ own[5:] == pytest.approx(strikes, rel=1e-11, abs=1e-11)

@@ -1,0 +1,64 @@
+"""Unknowns that are small beside the distance by which IPOPT moves a start inside its bounds.
+
+IPOPT moves an unknown that starts at or beside its only bound inside by kappa max(1, |bound|), kappa = 0.01 (Waechter
+and Biegler, Math. Program. 106, 2006, section 3.6), and regularises by as much for each unknown. Both have a unit: a
+rate constant of 1e-6 per second starts ten thousand times too large, whatever was guessed, and the solve may end at
+another optimum. Where that distance is more than the size of an unknown, the program is scaled, for IPOPT alone: that
+unknown by its size, all others by 1.
+
+The size of a state or an input is its largest magnitude along the start. Of a static parameter it is its guess; if
+that is 0, the value at which it begins to act: with X the sizes of the states and T the duration,
+
+    size = min over the states of  X / (T |df/dp|).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ...problems.probe import depends_on
+from ...problems.problem import Phase
+from ...problems.quantities import Variable
+from ..layout import Transcription
+from .other import slopes
+
+KAPPA = 0.01
+
+
+def sizes_of_small(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
+    """Name of each variable -> its size if it is small, else 1, as of `scaling.scale`; None if none is small.
+
+    transcription: what stands where.
+    z: initial values of the unknowns, shape (n,).
+    """
+    sizes: dict[str, float] = {}
+    for variable, size in _sizes(transcription, z):
+        sizes[variable.name] = min(sizes.get(variable.name, 1.0), size if _is_small(variable, size) else 1.0)
+    return sizes if any(size < 1 for size in sizes.values()) else None
+
+
+def _is_small(variable: Variable, size: float) -> bool:
+    bounds = [bound for bound in (variable.bounds.lower, variable.bounds.upper) if np.isfinite(bound)]
+    return len(bounds) == 1 and 0 < size < KAPPA * max(1.0, abs(bounds[0]))
+
+
+def _sizes(transcription: Transcription, z: np.ndarray) -> Iterator[tuple[Variable, float]]:
+    for layout in transcription.phases:
+        for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
+            for variable, places in zip(variables, rows, strict=True):
+                yield variable, float(np.abs(z[places[places >= 0]]).max(initial=0.0))
+    for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
+        acts = (_acts_at(layout.phase, parameter.name) for layout in transcription.phases)
+        yield parameter, float(np.abs(z[place])) or min(acts)
+
+
+def _acts_at(phase: Phase, name: str) -> float:
+    """The value at which a static parameter begins to act in a phase; infinite where it does not."""
+    states, guess = [state for state in phase.states if depends_on(state.rate, {name})], phase.guess
+    duration = guess.final_time - guess.initial_time
+    sizes = [np.abs(guess.values[state.name]).max(initial=0.0) for state in states]
+    steepest = [np.abs(slope).max(initial=0.0) * duration for slope in slopes(phase, guess, name, states)]
+    found = [float(size / slope) for size, slope in zip(sizes, steepest, strict=True) if size > 0 and slope > 0]
+    return min(found, default=np.inf)
