@@ -36,6 +36,14 @@ states: {x: {rate: u, initial: 0, final: 0.5}}
 controls: {u: {lower: 0, upper: 1}}
 objective: {minimize: {integral: "u*(2 - u) + (x - t/2)**2"}}
 """
+ROOT = """\
+trajopt: 1
+name: fuel by a root that ends beside the bound
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 0.5}}
+controls: {u: {lower: 0, upper: 1}}
+objective: {minimize: {integral: "sqrt(u + 0.01)"}}
+"""
 LOWER = "has a lower Hamiltonian"
 
 
@@ -70,6 +78,14 @@ def test_the_bar_covers_the_infimum_that_a_control_which_switches_ever_faster_te
     assert abs(solution.objective - relaxed) <= solution.objective_error.bar
     assert solution.meshes[-1].objective_error == solution.objective_error.bar
     assert solution.meshes[-1].segments < 700  # finer meshes are of no use, and it stops
+
+
+def test_an_integrand_without_a_value_beyond_a_bound_has_an_error_bar():
+    """Between the points u overshoots; there the nearest control within the bounds counts."""
+    solution = solved(ROOT, "refine.max_meshes=2")
+    assert solution.objective_error.applies
+    assert all(np.isfinite(error.relative).all() for error in solution.errors)
+    assert abs(solution.objective - (np.sqrt(0.01) + np.sqrt(1.01)) / 2) <= solution.objective_error.bar
 
 
 def test_where_no_mesh_makes_it_better_that_is_told():

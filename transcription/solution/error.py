@@ -19,7 +19,7 @@ import numpy as np
 
 from ...problems.quantities import Complementarity, Function, Range
 from ...problems.text import short_repr
-from .implicit import consistent_inputs
+from .implicit import consistent_inputs, where_defined
 from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
@@ -101,6 +101,7 @@ def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
     """dx/dt - f(t, x, u, z): x and u are the interpolants, z solves the residuals for them."""
     phase, p = trajectory.phase, trajectory.parameters
     u = consistent_inputs(phase, sample.t, sample.x, sample.u, p)
+    u = where_defined(phase, lambda own: phase.dynamics(sample.t, sample.x, own, p), u)
     return sample.dx - phase.dynamics(sample.t, sample.x, u, p)
 
 
@@ -211,8 +212,11 @@ def _span(curve: np.ndarray) -> float:
 
 
 def _values(trajectory: Trajectory, function: Function, sample: Sample) -> np.ndarray:
-    values = trajectory.phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
-    return np.broadcast_to(function(values, np), sample.t.shape)
+    def at(u: np.ndarray) -> np.ndarray:
+        values = trajectory.phase.arguments(sample.t, sample.x, u, trajectory.parameters)
+        return np.broadcast_to(function(values, np), sample.t.shape)
+
+    return at(where_defined(trajectory.phase, at, sample.u))
 
 
 def _romberg(y: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..schemes.mesh import Mesh
 from ..schemes.segment import Group
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
-from .implicit import Nearby, consistent_inputs
+from .implicit import Nearby, consistent_inputs, where_defined
 from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
 
@@ -161,7 +161,8 @@ class PhaseLagrangian:
         t = sample.t.ravel()
         x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
         h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
-        return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
+        u = where_defined(self.phase, lambda own: self._hamiltonian(t, x, own, costate), self._inputs(t, x, u))
+        return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, u, h)
 
     def _own_integrals(self, group: Group) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
