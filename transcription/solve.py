@@ -10,6 +10,7 @@ from itertools import count
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
+from .again.same_mesh import from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
@@ -19,7 +20,6 @@ from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
-from .same_mesh import from_lower, sharpened, with_short_turns
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution, with_bar

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .first_mesh import better
-from .one_mesh import Found, Origin, Planned, Watch, added, solve_mesh, tightened
-from .pontryagin.needles import Lower
-from .refinement.angles import unwound
-from .refinement.basin import left_basin
-from .refinement.chatter import Damping
-from .settings import Settings
+from ..first_mesh import better
+from ..one_mesh import Found, Origin, Planned, Watch, added, solve_mesh, tightened
+from ..pontryagin.needles import Lower
+from ..refinement.angles import unwound
+from ..refinement.basin import left_basin
+from ..refinement.chatter import Damping
+from ..settings import Settings
 
 OF_BARRIER, SHARPER = 0.2, 0.01
 """Of the error bar: with more of the barrier in it the mesh is not to blame, and what is to be left of that."""
