@@ -1,7 +1,8 @@
 """Controls that a minimum of the Hamiltonian over all of them is looked for among: samples of what is feasible.
 
-A Latin hypercube between the bounds, or around what the trajectory does where there are none, with its corners if they
-are few (where H is linear in the controls the minimum is at one), and the controls of other times. Path constraints are
+An even sequence of points (Kronecker's, by the powers of a generalised golden ratio; NumPy's random numbers take longer
+to import) between the bounds, or around what the trajectory does where there are none, with the corners if they are
+few (where H is linear in the controls the minimum is at one), and the controls of other times. Path constraints are
 met by Newton steps from there, the shortest ones: so an equation is sampled on its manifold.
 """
 
@@ -11,12 +12,11 @@ import numpy as np
 
 from ..solution.hamiltonian import Constrained
 
-SAMPLES = 64  # of the hypercube, for each control
+SAMPLES = 64  # of the sequence, for each control
 MOST_SAMPLES = 256
 CORNERS = 4  # controls at most, for their corners
 OTHER_TIMES = 16
 BEYOND = 3.0  # so that values of the other sign are among them
-SEED = 0
 STEPS = 30  # of Newton's method
 MET = 1e-10  # of 1 + |bound|, by what a constraint may be missed
 DIFFERENCE = 1e-7  # of a derivative, in widths of the box; steps go on until the constraint is met, so it may be rough
@@ -40,12 +40,13 @@ def candidates(u: np.ndarray, within: np.ndarray, samples: int = SAMPLES) -> np.
 
     u: the controls along the trajectory, shape (n, M).
     within: as of `box`.
-    samples: of the hypercube, for each control.
+    samples: of the sequence, for each control.
     """
-    n, random = len(u), np.random.default_rng(SEED)
+    n = len(u)
     count = min(samples * n, MOST_SAMPLES)
-    strata = np.stack([random.permutation(count) for _ in range(n)])
-    unit = [(strata + random.random((n, count))) / count, np.full((n, 1), 0.5)]
+    ratio = np.max(np.roots([1.0, *[0.0] * (n - 1), -1.0, -1.0]).real)  # of x^(n + 1) = x + 1
+    multiples = np.arange(1, count + 1) * ratio ** -np.arange(1.0, n + 1)[:, None]
+    unit = [(0.5 + multiples) % 1.0, np.full((n, 1), 0.5)]
     if n <= CORNERS:
         unit.append(np.stack(np.meshgrid(*[[0.0, 1.0]] * n)).reshape(n, -1))
     lower, width = within[0][:, None], np.diff(within, axis=0).T
