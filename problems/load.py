@@ -15,6 +15,7 @@ from .checks.values import NO_STATES
 from .errors import FileError, Mistake, SpecError
 from .files import PIPES
 from .language import loops
+from .language.conditions import write_conditions
 from .names.symbols import UNKNOWN
 from .phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from .schema import messages
@@ -97,6 +98,7 @@ def load_text(
     folder: that the CSV files of its tables are in; None if it may have none.
     """
     document, numbers, overrides, (mistaken, counted) = _without_loops(read_document(text, file), overrides)
+    write_conditions(document.data, is_static(document.data))
     document, given, overrides, (origin, wrong, sizes) = _without_vectors(document, overrides, numbers)
     data, locations, early = _written_out(document, file, overrides, given, origin)
     early += mistaken + wrong
@@ -109,11 +111,11 @@ def load_text(
         spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
-        found = messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else []) + early
+        found = early + messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else [])
         raise SpecError(locations.mistakes(found)) from None
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
-        raise SpecError(locations.mistakes(errors + early))
+        raise SpecError(locations.mistakes(early + errors))
     unused = {("parameters", name) for name in counted | sizes}
     told = [w for w in (*warnings, *_empty(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)
@@ -217,12 +219,12 @@ def _missing(data: dict[str, Any]) -> list[Finding]:
     time = data.get("time")
     if not isinstance(time, dict):
         return []
-    given = list(time)
+    given = dict(time)
     for end in ("initial", "final"):
         if time.get(end) is not None:
             continue
         time[end] = UNKNOWN
-        if not _meant(end, {key: None for key in given}, Time.model_fields, ("time",)):
+        if not _meant(end, given, Time.model_fields, ("time",)):
             remedy = f"add {messages.how_written(('time', end))}"
             found.append(Finding(("time", end), f"{end} is missing", remedy))
     return found
@@ -239,8 +241,9 @@ def _empty(data: Any, path: Place = ()) -> Iterator[Finding]:
 
 
 def _meant(key: str, given: Mapping[str, Any], known: Mapping[str, Any], path: Place = ()) -> bool:
-    """Whether a key that is none is a misspelt one that is missing."""
-    return any(meant((*path, other), known) == key for other in given if other not in known)
+    """Whether a key that is none, with a value, is a misspelt one that is missing."""
+    others = (other for other, value in given.items() if other not in known and value is not None)
+    return any(meant((*path, other), known) == key for other in others)
 
 
 def _measured_objective(data: dict[str, Any]) -> None:

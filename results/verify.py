@@ -36,6 +36,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..transcription.program.contract import NotFinite
 from ..transcription.solution.error import error_profile
 from ..transcription.solution.objective_error import NOT_UNIQUE, ObjectiveError, objective_error
 from ..transcription.solution.trajectory import Trajectory
@@ -52,6 +53,7 @@ from .file.reload import Reloaded, reload
 
 LINKED = 1e-6
 """Relative to 1 + the bound: what a link may be missed by, as any constraint at the points."""
+VALUES = "the solver's point and its objective are finite"
 
 
 @np.errstate(all="ignore")  # a result without finite values fails its checks, and needs no warnings beside
@@ -66,6 +68,8 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
     """
     result = reload(path)
     checks = [Check("solver status", 0.0 if result.solved else 1.0, 0.0, result.outcome.status.message)]
+    if not _has_values(result):
+        return [*checks, Check(VALUES, np.nan, 0.0, "nothing else can be looked at")]
     checks += stored(path, result)
     estimate = objective_error(result.transcription, result.nlp, result.outcome, result.trajectories)
     claimed = _claimed(result, estimate, tolerance)
@@ -87,6 +91,15 @@ def verify(path: Path, tolerance: float = 5e-2, hold: float | None = None) -> li
             Check("objective, difference from the reference", difference, reference.tolerance, reference.source)
         )
     return checks
+
+
+def _has_values(result: Reloaded) -> bool:
+    """Whether the solver's point, and the objective there, are finite numbers."""
+    try:
+        result.nlp.objective(result.outcome.z)
+    except NotFinite:
+        return False
+    return bool(np.isfinite(result.outcome.z).all())
 
 
 def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold: float | None) -> Iterator[Check]:

@@ -219,7 +219,7 @@ def test_the_command_writes_all_tables(folder):
     assert all(row["seconds"] > 0 and row["digits"] >= 7 and row["holds"] for row in made["problems"])
     assert made["regressions"] == []
     text = (folder / "mine" / "library.md").read_text()
-    assert text.count("\n| ") == 2 + len(shipped())
+    assert text.partition("## First tries")[0].count("\n| ") == 2 + len(shipped())
     assert len(strict_json((folder / "mine" / "baseline.json").read_text())["problems"]) == len(shipped())
     assert sorted(path.stem for path in (folder / "mine" / "results").iterdir()) == ["block_move_min_force", "shot_put"]
     assert trajopt("verify", "mine/results/shot_put.h5").exit_code == 0

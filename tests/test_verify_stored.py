@@ -63,6 +63,34 @@ def test_a_point_without_duration_fails(share, result):
     } <= failed(result)
 
 
+@pytest.mark.parametrize(("which", "value"), [(slice(None), np.nan), (3, np.nan), (0, np.inf)])
+def test_a_point_that_is_not_finite_fails(which, value, result):
+    """All of it, as of a solve that came to nothing, or one number: NotFinite went through once."""
+    with h5py.File(result, "r+") as file:
+        z = file["solver/z"][...]
+        z[which] = value
+        file["solver/z"][...] = z
+    assert failed(result) == {"the solver's point and its objective are finite"}
+
+
+def test_an_objective_that_is_not_finite_fails(folder):
+    """log of a negative number, at a point that is finite."""
+    text = """
+trajopt: 1
+name: no value
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: log(x + 0.5) + u**2}}
+mesh: [{method: trapezoid, segments: 4}]
+"""
+    (folder / "a.yaml").write_text(text)
+    path = solved_once(folder / "a.h5", folder / "a.yaml")
+    with h5py.File(path, "r+") as file:
+        file["solver/z"][...] = -1.0
+    assert "the solver's point and its objective are finite" in failed(path)
+
+
 def test_an_objective_that_was_changed_fails(result):
     with h5py.File(result, "r+") as file:
         file.attrs["objective"] *= 1.001

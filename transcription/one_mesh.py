@@ -19,6 +19,7 @@ from .measured.knots import measured_fractions, with_knots
 from .program.alone import building
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
+from .refinement.unwound import unwound
 from .scaling import Scaling, scale
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -199,6 +200,8 @@ def _measured(
     """
     if worth := damping.worth(nlp, transcription, outcome.z):
         outcome = replace(outcome, objective=outcome.objective - worth)
+    if outcome.status.usable:
+        outcome = replace(outcome, z=unwound(transcription, nlp, outcome.z))
     problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
     errors = tuple(map(error_profile, read))

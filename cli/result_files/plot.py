@@ -107,7 +107,7 @@ def _draw_together(
     if xy:
         figure = plane_figure(found, *pair)
     else:
-        figure = overlay_figure(found, {} if no_bounds else _bounds(found[0]), _split(only))
+        figure = overlay_figure(found, [] if no_bounds else list(map(_bounds, found)), _split(only))
     save([figure], path, found[0].problem)
     print(path)
 

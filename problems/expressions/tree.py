@@ -148,6 +148,18 @@ def rebuilt(node: Node, new: Sequence[Node]) -> Node:
     return node
 
 
+def placed(node: Node, start: int, stop: int) -> Node:
+    """The same tree, all of it at one place of a text.
+
+    node: its root.
+    start, stop: the span of that place.
+    """
+    new = rebuilt(node, [placed(part, start, stop) for part in below(node)])
+    if isinstance(new, Chain):
+        new = replace(new, links=tuple(replace(link, start=start, stop=stop) for link in new.links))
+    return replace(new, start=start, stop=stop)
+
+
 def leaves(root: Node) -> Iterator[Name]:
     """Every name in the tree, from the left."""
     return (node for node in nodes(root) if isinstance(node, Name))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.signature import Signature, signature
-from ..expressions.tree import Chain, Link, Lookup, Name, Node, below, leaves, nodes, rebuilt
+from ..expressions.tree import Chain, Link, Lookup, Name, Node, below, leaves, nodes, placed, rebuilt
 from ..models import find_model
 from ..names.circles import untangle
 from ..names.symbols import UNKNOWN
@@ -170,7 +170,7 @@ class _Writer:
         depth = body.depth + max(tree.depth for tree in given)
         self._within(node, _Tree(node, size, depth))
         root = self._at_end(node, body.root, by_name)
-        root = _placed(root, node.start, node.stop)
+        root = placed(root, node.start, node.stop)
         return _Tree(_substituted(root, {name: tree.root for name, tree in by_name.items()}), size, depth)
 
     def _at_end(self, node: Lookup, body: Node, given: Mapping[str, _Tree]) -> Node:
@@ -239,11 +239,3 @@ def _taken(name: Name, phase: str, end: str | None) -> Name:
 def _substituted(node: Node, values: Mapping[str, Node]) -> Node:
     """A tree with others in place of names."""
     return mapped(node, lambda name: values.get(name.name, name))
-
-
-def _placed(node: Node, start: int, stop: int) -> Node:
-    """The same tree, all of it at one place of a text."""
-    new = rebuilt(node, [_placed(part, start, stop) for part in below(node)])
-    if isinstance(new, Chain):
-        new = replace(new, links=tuple(replace(link, start=start, stop=stop) for link in new.links))
-    return replace(new, start=start, stop=stop)

@@ -325,6 +325,17 @@ def _with_vectors(result: dict[str, Any]) -> None:
         waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
 
 
+def _with_conditions(result: dict[str, Any]) -> None:
+    """Let a constraint and a link be a text, see `language.conditions`."""
+    waiting: list[Any] = [result]
+    while waiting:
+        node = waiting.pop()
+        items = node.get("items") if isinstance(node, dict) else None
+        if isinstance(items, dict) and str(items.get("$ref", "")).endswith(("/Constraint", "/Link")):
+            node["items"] = {"anyOf": [items, {"type": "string"}]}
+        waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+
+
 def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
     """JSON Schema of a problem file, for editors; `methods` are the names that a mesh entry may give."""
     result = {
@@ -333,6 +344,7 @@ def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
     }
     _with_templates(result, whole=True)
     _with_vectors(result)
+    _with_conditions(result)
     if methods:
         result["$defs"]["Mesh"]["properties"]["method"]["enum"] = list(methods)
     return result

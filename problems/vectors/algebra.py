@@ -183,6 +183,13 @@ def of_vectors(name: str, given: Sequence[Value]) -> Value:
     return value
 
 
+def as_vector(value: Value) -> Value:
+    """A matrix of one column as the vector that it is; other values as they are."""
+    if isinstance(value, Scalar) or shape_of(value)[1:] != (1,):
+        return value
+    return [own for row in value for own in each(row)]
+
+
 def elementwise(work: Callable[..., Scalar], *operands: Value) -> Value:
     """What a function of scalars makes of operands of one shape, component by component; a scalar goes with all.
 
@@ -191,6 +198,9 @@ def elementwise(work: Callable[..., Scalar], *operands: Value) -> Value:
     shapes = {shape_of(own) for own in operands} - {()}
     if not shapes:
         return work(*operands)
+    if len(shapes) > 1:
+        operands = tuple(map(as_vector, operands))
+        shapes = {shape_of(own) for own in operands} - {()}
     if len(shapes) > 1:
         told = " and ".join(in_words(shape_of(own)) for own in operands)
         mixed = {len(shape) for shape in shapes} == {1, 2}
@@ -206,7 +216,7 @@ def matrix_product(a: Any, b: Any) -> Value:
     left, right = shape_of(a), shape_of(b)
     if not left or not right or left[-1] != right[0]:
         what = f"{in_words(left)} and {in_words(right)} have no product @"
-        raise Unfit(what, "multiply a matrix by a vector that is as long as its rows")
+        raise Unfit(what, "multiply a matrix by a vector that is as long as its rows, and one value by *")
     rows = a if len(left) == 2 else [a]
     columns = transpose(b) if len(right) == 2 else [b]
     entries: list[Any] = [[dot(row, column) for column in columns] for row in rows]

@@ -9,9 +9,9 @@ from typing import Any
 
 from ..language.loops import Mistaken
 from ..names.symbols import UNKNOWN
-from ..yaml.document import Path
+from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
-from .algebra import Scalar, Shape, Value, each, in_words, shape_of
+from .algebra import Scalar, Shape, Value, as_vector, each, in_words, shape_of
 from .reader import evaluate
 from .scope import DEFINED, RATES, Names
 
@@ -76,9 +76,13 @@ class Filler:
         self.origin: dict[Path, Path] = {}
         self.findings: list[Finding] = []
         self.known: dict[tuple[int, str], Value | None] = {}
+        self.made = 0
 
     def value(self, value: Any, one: Component) -> Any:
-        """One component of a value, of a list, or of all values in a mapping."""
+        """One component of a value, of a list, or of all values in a mapping. Raises Mistaken if there are too many."""
+        self.made += 1
+        if self.made > MAX_NODES:
+            raise Mistaken(f"the vectors of the file make more than {MAX_NODES} values", "make them smaller")
         if one.to != one.path:
             self.origin[one.to] = one.path
         if isinstance(value, dict):
@@ -100,7 +104,7 @@ class Filler:
             return UNKNOWN
         if isinstance(found, Scalar) and not (one.shape and one.path[-1] in RATES):
             return found.text
-        if shape_of(found) != one.shape:
+        if shape_of(found := as_vector(found) if len(one.shape) == 1 else found) != one.shape:
             return self._refused(one, f"this is {in_words(shape_of(found))}, and has to be {in_words(one.shape)}")
         return one.of(found).text
 

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
+from warnings import catch_warnings, simplefilter
 
 from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
 from ..expressions.tokens import ExpressionError
@@ -20,7 +21,7 @@ from ..text import shorten, tidy
 from . import algebra
 from .algebra import ATOM, FUNCTIONS, POWER, PRODUCT, SUM, Scalar, Unfit, Value, each, elementwise, mapped, shape_of
 
-MAX_CALLS = 1000  # of functions of the file in one text, and in their bodies
+MAX_CALLS = 200  # of functions of the file in one text, and in their bodies
 
 OWN = frozenset(FUNCTIONS) - {"norm", "sum"}
 """Functions that no text without vectors has."""
@@ -40,6 +41,7 @@ _ATOMS = (ast.Name, ast.Constant, ast.Call, ast.Attribute, ast.Subscript)
 _RANGE = re.compile(r"(\[\s*\d+)\s*\.\.\s*(\d+\s*\])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _COMPONENT = re.compile(r"([A-Za-z_][\w.]*)\[\s*(\d+)\s*\]")
+_LIST = re.compile(r"(?:^|[-+*/@(,\[])\s*\[")
 _END = re.compile(rf"\[({'|'.join(ENDS)})\]")
 
 
@@ -85,6 +87,10 @@ def is_of_vectors(text: str, arguments: Sequence[str], scope: Scope) -> bool:
     return _Reader(tidy(text), scope, scalars).has_vectors()
 
 
+class _Slip(Mistaken):
+    """What no expression may look like, with vectors or without."""
+
+
 class _Reader:
     """Reads one text, which may be the body of a function.
 
@@ -127,9 +133,12 @@ class _Reader:
         """A text that cannot be read, with names in place of the components in it. Raises Mistaken for a slip in it."""
         new = _COMPONENT.sub(self._plain, text)
         try:
-            check_syntax(new, self.scope.called)
+            check_syntax(new.replace("@", "*"), self.scope.called)
         except ExpressionError as error:
-            raise Mistaken(error.what, error.remedy) from error
+            if _LIST.search(new):  # which is none of the slips that are looked for
+                what = f'"{shorten(text, 60)}" cannot be read as an expression'
+                raise _Slip(what, "look for a missing operator, bracket or comma") from error
+            raise _Slip(error.what, error.remedy) from error
         return new
 
     def _plain(self, found: re.Match[str]) -> str:
@@ -157,6 +166,8 @@ class _Reader:
             return True
         try:
             self.whole()
+        except _Slip:  # of which is told where the function is declared
+            return False
         except Mistaken:
             return True
         return False
@@ -310,7 +321,9 @@ def _parsed(text: str) -> ast.expr | None:
     if len(text) > MAX_LENGTH or not text.isascii():
         return None
     try:
-        return ast.parse(text, mode="eval").body
+        with catch_warnings():
+            simplefilter("ignore")  # of a number that goes on in letters, which is told later
+            return ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 

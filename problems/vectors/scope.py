@@ -122,8 +122,9 @@ class Names:
     def _shape_of(self, value: Any) -> Shape:
         """The shape of a value as the file has it; () for one that is mistaken, of which is told where it stands."""
         if isinstance(value, list):
-            inner = self._shape_of(value[0]) if value and isinstance(value[0], list) else ()
-            return (len(value), *inner) if len(value) > 1 else ()
+            if value and isinstance(value[0], list):
+                return len(value), max(len(value[0]), 1)
+            return (len(value),) if len(value) > 1 else ()
         try:
             found = evaluate(value, self) if isinstance(value, str) else None
         except Mistaken:

@@ -14,7 +14,7 @@ from itertools import chain, product
 from typing import Any, NamedTuple
 
 from ..expressions.signature import signature
-from ..language.loops import whole_numbers
+from ..language.loops import Mistaken, whole_numbers
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -59,7 +59,7 @@ def _declares(data: Mapping[str, Any]) -> bool:
     defined = (own for section in DEFINED for own in entries_of(data, section).values())
     values = (own.get("value") if isinstance(own, dict) else own for own in defined)
     return any("size" in own or any(isinstance(own.get(key), list) for key in RATES) for own in declared) or any(
-        isinstance(own, list) and len(own) > 1 for own in values
+        isinstance(own, list) and (len(own) > 1 or isinstance(next(iter(own), None), list)) for own in values
     )
 
 
@@ -91,7 +91,10 @@ def written_out(data: Mapping[str, Any]) -> WrittenOut:
     """The data of a file with its vectors written out; templates are so already."""
     names = Names(data, whole_numbers(data.get("parameters")), None, ())
     filler = Filler()
-    new = _Writer(names, (), filler).written(data)
+    try:
+        new = _Writer(names, (), filler).written(data)
+    except Mistaken as mistake:
+        return WrittenOut({**data}, {}, [Finding((), mistake.what, mistake.remedy)], frozenset())
     everywhere = [names, *names.phases.values()]
     findings = [*(finding for own in everywhere for finding in own.findings), *filler.findings]
     return WrittenOut(new, filler.origin, findings, frozenset().union(*(own.counted for own in everywhere)))
@@ -144,12 +147,11 @@ class _Writer:
             if value is None:
                 new[name] = self._scalar(entry, here)
                 continue
-            for one in each_of(value, self.names, here, path):
-                component = str(one.to[-1])
-                if component in new or component in entries:
-                    what = f"{name} has the component {component}, and that is declared, too"
-                    self.filler.findings.append(Finding(here, what, "give one of them another name"))
-                new[component] = self.filler.value(entry, one)
+            made = list(each_of(value, self.names, here, path))
+            if twice := next((one.to[-1] for one in made if one.to[-1] in new or one.to[-1] in entries), None):
+                what = f"{name} has the component {twice}, and that is declared, too"
+                self.filler.findings.append(Finding(here, what, "give one of them another name"))
+            new |= {str(one.to[-1]): self.filler.value(entry, one) for one in made}
         return new
 
     def _by_name(self, entries: Any, path: Path, rows: bool = False) -> Any:

@@ -19,9 +19,18 @@ _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
 
 
+class _Dumper(yaml.SafeDumper):
+    """Also writes what stands for a mistaken value."""
+
+
+_Dumper.add_multi_representer(object, lambda dumper, value: dumper.represent_str(getattr(value, "text", "?")))
+
+
 def flow(value: Any) -> str:
     """A value as YAML on one line, with quotes where it needs them."""
-    listed = yaml.safe_dump([value], default_flow_style=True, width=float("inf"), sort_keys=False, allow_unicode=True)
+    listed = yaml.dump(
+        [value], Dumper=_Dumper, default_flow_style=True, width=float("inf"), sort_keys=False, allow_unicode=True
+    )
     quoted = re.sub(r"'([^'\"\\]*)'", r'"\1"', tidy(listed.strip()[1:-1]))
     return re.sub(r"\b(\d+)(?:\.0)?(\.\d+)?e([-+])0?(\d+)\b", r"\1\2e\3\4", quoted).replace("e+", "e")
 

@@ -12,8 +12,8 @@ import yaml
 from ..text import named, shorten
 
 _OPEN, _CLOSED = "([", ")]"
-_NUMBER = re.compile(r"[-+]?\d+")
-_UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?\[[^\]]*\][^,}\"']*)")
+_DIGITS = re.compile(r"\d+")
+_UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#](?:(?!,\s*\w+:\s)[^\"'#])*?\[[^\]]*\][^,}\"']*)")
 _POWER = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?)\^\{([^}]*)\}")
 _ASSIGNED = re.compile(r"\s*([A-Za-z]\w*)('?)\s*=\s*([^=\s].*?)\s*")
 _NO_ENTRY = re.compile(r"(?:[^:#]|:(?=\S))*[^\s:#](?:[^:#]|:(?=\S))*")
@@ -46,7 +46,7 @@ def torn(key: str, value: Any, rest: Sequence[tuple[str, bool]]) -> tuple[Slip, 
     parts = [key for key, _ in takewhile(lambda own: own[1], rest)]
     if not parts:
         return None
-    if isinstance(value, int) and not isinstance(value, bool) and _NUMBER.fullmatch(parts[0]):
+    if isinstance(value, int) and not isinstance(value, bool) and _DIGITS.fullmatch(parts[0]):
         meant = f"{value}.{parts[0]}"
         return Slip("a number has a point, not a comma", f"write {key}: {meant}", float(meant)), 1
     return _joined(key, value, parts) if isinstance(value, str) else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from pathlib import Path
 
 from ..report.page import rendered
 from ..reproduction.page import MADE_BY as PAGES
@@ -12,6 +13,9 @@ from ..reproduction.page import machine
 from .rows import Row
 
 TITLE = "The library, solved and verified"
+
+FIRST_TRIES = Path(__file__).parent / "first_tries.md"
+"""Written by hand: what some problems led to when they were written down."""
 
 MADE_BY = "trajopt reproduce library"
 """Stands in every file that is written, by which it is known again."""
@@ -83,7 +87,8 @@ def markdown(rows: Sequence[Row]) -> str:
     sides = ["---:" if name in NUMBERS else "---" for name in LASTING]
     lines = [LASTING, sides, *([cells(row)[name].replace("|", "\\|") for name in LASTING] for row in rows)]
     failed = "".join(f"- `{row.name}` fails in `verify`: {'; '.join(row.failed)}\n" for row in rows if row.failed)
-    return head + "\n" + "".join(f"| {' | '.join(line)} |\n" for line in lines) + (f"\n{failed}" if failed else "")
+    table = "".join(f"| {' | '.join(line)} |\n" for line in lines) + (f"\n{failed}" if failed else "")
+    return f"{head}\n{table}\n{FIRST_TRIES.read_text('utf-8')}"
 
 
 def html(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:

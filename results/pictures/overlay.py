@@ -14,11 +14,12 @@ from ...problems.drawings.drawing import obstacles_of
 from ...problems.errors import Mistake, SpecError
 from ..file.read import CURVE_KINDS, PhaseCurves, Result
 from .animate import paint
-from .plots import NO_BOUNDS, PANEL_HEIGHT, PANEL_WIDTH, Bounds, bound_lines, check_panels, label_of, set_times, unlabel
+from .plots import PANEL_HEIGHT, PANEL_WIDTH, Bounds, bound_lines, check_panels, label_of, set_times, unlabel
 from .style import (
     BLACK,
     BLUE,
     GREEN,
+    GREY,
     LETTER,
     ORANGE,
     PURPLE,
@@ -51,11 +52,11 @@ def _named(results: Sequence[Result]) -> list[str]:
     return [plain(n if names.count(n) == 1 else str(r.path), 40) for n, r in zip(names, results, strict=True)]
 
 
-def overlay_figure(results: Sequence[Result], bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
+def overlay_figure(results: Sequence[Result], bounds: Sequence[Bounds] = (), only: Sequence[str] = ()) -> Figure:
     """Quantities of several results over time, one panel each, one colour a result.
 
     results: solved or not; the legend says which.
-    bounds: of the first one.
+    bounds: of each of them; none to draw none. Where they differ, each has the colour of its result.
     only: the names to draw, with their costates; empty for all.
 
     Raises SpecError for a name that no result has, and if there are too many panels.
@@ -64,15 +65,18 @@ def overlay_figure(results: Sequence[Result], bounds: Bounds = NO_BOUNDS, only: 
     check_panels(results[0], len(panels))
     columns = 1 if len(panels) < 3 else 2
     rows = ceil(len(panels) / columns)
+    apart = False
     with look():
         figure, grid = Frame().figure([PANEL_HEIGHT] * rows, columns, PANEL_WIDTH[columns])
         lowest: dict[int, Axes] = {}
         for i, (kind, name) in enumerate(panels):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            _draw(ax, results, kind, name, bounds)
+            apart |= _draw(ax, results, kind, name, bounds)
             unlabel(lowest.get(i % columns))
             lowest[i % columns] = ax
-        _finish(figure, results, f"{len(results)} results")
+        _finish(
+            figure, results, f"{len(results)} results" + ("; each bound in the colour of its result" if apart else "")
+        )
     return figure
 
 
@@ -88,17 +92,30 @@ def _check_names(known: Sequence[str], wanted: Sequence[str], results: Sequence[
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
 
 
-def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Bounds) -> None:
+def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Sequence[Bounds]) -> bool:
+    """One panel; the value is whether the bounds of the results differ."""
     having = [[phase for phase in result.phases if name in phase.curves.get(kind, {})] for result in results]
     for number, (phases, label) in enumerate(zip(having, _named(results), strict=True)):
         for phase in phases:
             ax.plot(phase.dense_time, phase.curves[kind][name].dense, label=label, zorder=2, **_style(number))
     every: list[PhaseCurves] = [phase for phases in having for phase in phases]
-    if kind != "costate":
-        bound_lines(ax, next(phases for phases in having if phases), kind, name, bounds)
+    apart = kind != "costate" and _draw_bounds(ax, having, kind, name, bounds)
     set_title(ax, labelled(*label_of(kind, name, every[0]), width_of(ax)))
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, every, shaded=False)
+    return apart
+
+
+def _draw_bounds(
+    ax: Axes, having: Sequence[Sequence[PhaseCurves]], kind: str, name: str, bounds: Sequence[Bounds]
+) -> bool:
+    """Those of the first result that has the quantity, in grey, if all have the same; else each result's own."""
+    known = [(number, phases, bounds[number]) for number, phases in enumerate(having) if phases and bounds]
+    given = [[own.get(phase.name, {}).get(name) for phase in phases] for _, phases, own in known]
+    apart = any(own != given[0] for own in given)
+    for number, phases, own in known if apart else known[:1]:
+        bound_lines(ax, phases, kind, name, own, _style(number)["color"] if apart else GREY)
+    return apart
 
 
 def _finish(figure: Figure, results: Sequence[Result], what: str) -> None:
@@ -109,7 +126,7 @@ def _finish(figure: Figure, results: Sequence[Result], what: str) -> None:
     if bad:
         lines.append(plain("not solved, or tolerance missed: " + ", ".join(bad), letters))
     head(figure, lines, BLACK if not bad else VERMILION)
-    legend(figure, [*dict.fromkeys(_named(results)), "knot", "bound", "beginning", "obstacle"])
+    legend(figure, [*dict.fromkeys(_named(results)), "knot", "bound", "violated bound", "beginning", "obstacle"])
 
 
 def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure:

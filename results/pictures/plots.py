@@ -140,12 +140,15 @@ def _without_spikes(curves: Sequence[Curve]) -> tuple[float, float] | None:
     return (float(low), float(high)) if beyond and 0 < outside < FEW else None
 
 
-def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> list[str]:
+def bound_lines(
+    ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds, color: str = GREY
+) -> list[str]:
     """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words.
 
     ax: the axes to draw on.
     phases: that have the quantity.
     kind, name, bounds: as of `draw_curve`.
+    color: of bounds that are held.
     """
     far = []
     for phase, value, upper, near in bounds_beside(phases, kind, name, bounds):
@@ -154,7 +157,7 @@ def bound_lines(ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, b
             continue
         least, most = extent([phase.curves[kind][name]])
         broken = (most - value if upper else value - least) > TOLERATED_EXCESS * (1 + abs(value))
-        style: dict[str, Any] = {"color": GREY, "label": "bound"}
+        style: dict[str, Any] = {"color": color, "label": "bound"}
         if broken:
             style = {"color": VIOLATED, "label": "violated bound"}
         ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)

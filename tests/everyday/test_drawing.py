@@ -10,9 +10,10 @@ from PIL import Image
 from trajopt.problems.drawings.drawing import drawings_of, obstacles_of
 from trajopt.problems.drawings.shapes import Circle, Ground, Polyline, Rectangle
 from trajopt.problems.errors import SpecError
-from trajopt.results.file.read import read
+from trajopt.results.file.read import bounds_of, read
 from trajopt.results.pictures.animate import scene
-from trajopt.results.pictures.overlay import overlay_figure, plane_figure
+from trajopt.results.pictures.overlay import CYCLE, overlay_figure, plane_figure
+from trajopt.results.pictures.style import GREY
 from trajopt.transcription.loading import load_yaml
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -107,6 +108,36 @@ def test_results_in_one_picture(result, folder):
     assert trajopt("plot", result, other, "--only", "x,vx", "-o", "two.svg").exit_code == 0
     told = trajopt("plot", result, other, "--only", "z")
     assert told.exit_code == 2 and 'there is no "z"' in told.stderr
+
+
+def bounds_drawn(figure):
+    """Value -> colour of the bounds in the first panel."""
+    return {line.get_ydata()[0]: line.get_color() for line in figure.axes[0].get_lines() if line.get_label() == "bound"}
+
+
+def test_bounds_of_several_results_that_differ_are_drawn_each(folder):
+    found = [
+        read(
+            solved_once(
+                folder / f"{most}.h5",
+                "block_move_min_force",
+                "--method",
+                "trapezoid",
+                "--set",
+                f"controls.u.upper={most}",
+            )
+        )
+        for most in (5.5, 5.8)
+    ]
+    assert trajopt("plot", *(own.path for own in found)).stdout == "overlay.png\n"
+    bounds = [bounds_of(own.build()[0]) for own in found]
+    figure = overlay_figure(found, bounds, ["u"])
+    assert bounds_drawn(figure) == {5.5: CYCLE[0], 5.8: CYCLE[1]}
+    assert any("each bound in the colour of its result" in text.get_text() for text in figure.texts)
+    alike = overlay_figure([found[0]] * 2, [bounds[0]] * 2, ["u"])
+    assert bounds_drawn(alike) == {5.5: GREY}
+    assert not any("colour of its result" in text.get_text() for text in alike.texts)
+    assert not bounds_drawn(overlay_figure(found, [], ["u"]))
 
 
 def test_what_a_phase_lacks_is_nowhere():

@@ -15,6 +15,9 @@ from .campaign import COMMANDS, campaign
 from .disks import CASES
 from .disks import runs as of_disks
 from .files import OLD, RESULTS, always, bad_files, good_results
+from .full_disk import COMMANDS as COMMANDS_THAT_WRITE
+from .full_disk import LEFT
+from .full_disk import runs as of_full_disks
 from .life import grows, life
 from .moments import runs as of_moments
 from .processes import Count, Run, preload
@@ -41,6 +44,10 @@ def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in of_disks(CASES[: told.files], folder))
 
 
+def full(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+    yield from (iter([run]) for run in islice(of_full_disks(folder), told.files))
+
+
 def long_life(count: int) -> int:
     """Print what many solves in one process leave; 1 if that grows."""
     marks = {}
@@ -58,6 +65,7 @@ KINDS = {
     "problems": (problems, 2000),
     "moments": (moments, 300),
     "disks": (disks, len(CASES)),
+    "full": (full, len(COMMANDS_THAT_WRITE) * len(LEFT)),
 }
 """Name -> the runs of each file, moment or case, and how many of them."""
 

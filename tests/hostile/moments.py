@@ -26,6 +26,8 @@ COMMANDS = {
     "reproduce": ["reproduce", "block", "--no-figures", "-o", "page"],
 }
 """Name -> what is typed, in a folder with the results kept.h5 and a.h5."""
+TOLD = (" ", "stopping", "interrupted", "cart-pole swing-up: mesh")
+"""How lines begin that are told of progress, and of a signal."""
 WHOLE = ["kept.h5", "a.h5"]
 
 
@@ -56,13 +58,13 @@ def _run(k: int, name: str, sent: list[signal.Signals], moment: float, folder: P
             own.send_signal(number)
         out, err = own.communicate(timeout=600)
     codes = {0, 4, *(128 + number for number in sent), *(-number for number in sent)}
-    told = [line for line in err.splitlines() if line and not line.startswith((" ", "stopping"))]
+    err = "\n".join(line for line in err.splitlines() if not line.startswith(TOLD))
     run = Run(
         f"{k} {[number.name for number in sent]}", name, own.returncode, out, err + _lost(name, sent, folder), moment
     )
     run.codes = frozenset(codes)
     if "Traceback" in run.err or own.returncode not in codes:
-        run.err = f"Traceback: exit code {own.returncode}: {told[-1:]} {run.err}"
+        run.err = f"Traceback: exit code {own.returncode}: {run.err}"
     run.code = 0  # what a signal ends is no fault: `err` tells what is one
     run.codes = frozenset({0})
     return run

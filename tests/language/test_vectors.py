@@ -196,6 +196,24 @@ def test_phases_and_links():
     assert [link.name for link in kicks] == ["kick 1", "kick 2"]
 
 
+COLUMNS = """\
+trajopt: 1
+parameters: {A: [[0, 1], [-1, 0]], B: [[0], [1]], c: [1, 0]}
+time: {initial: 0, final: 1}
+states:
+  x: {size: 2, rate: A @ x + B @ u + B*w, initial: 1}
+controls: {u: {size: 1}, w: {}}
+objective: {minimize: {integral: "x @ x + dot(u, u) + w**2"}}
+"""
+
+
+def test_a_matrix_of_one_column_is_a_vector():
+    spec = load_text(COLUMNS, "x.yaml")
+    assert spec.states["x1"].rate.text == "A11*x1 + A12*x2 + B11*u1 + B11*w"
+    with pytest.raises(SpecError, match="one value by"):
+        load_text(COLUMNS.replace("B*w", "B @ w"), "x.yaml")
+
+
 def test_overrides_of_vectors_and_of_components():
     spec = load_text(PHASES, "x.yaml", ["states.r.final=[4, 5]", "states.v2.initial=7", "parameters.e=[2, 3]"])
     assert spec.states["r2"].final.value.text == "5" and spec.states["v2"].initial.value.text == "7"
@@ -220,6 +238,23 @@ def test_the_example_of_the_docs_is_right():
     example = re.search(r"## Vectors.*?```yaml\n(.*?)```", docs, re.DOTALL)[1]
     spec = load_text(f"trajopt: 1\ntime: {{initial: 0, final: 1}}\n{example}", "docs.yaml")
     assert len(spec.states) == 7 and len(spec.constraints.path) == 3
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_python_warns_of_is_a_mistake_like_others():
+    with pytest.raises(SpecError, match="an operator is missing"):
+        load_text(COLUMNS.replace("B*w", "B*w*0or1"), "x.yaml")
+
+
+def test_several_units_and_a_function_at_an_end():
+    text = PHASES.replace("r: {size: 2, ", "r: {size: 2, unit: [m, km], ").replace(
+        "speed: norm", '"far(a)": "norm(a)*e[1]", speed: norm'
+    )
+    spec = load_text(text.replace("near.speed[final]", "far(v[final])"), "x.yaml")
+    assert [spec.states[name].unit for name in ("r1", "r2")] == ["m", "km"]
+    assert spec.objective.minimize.terminal.text == "t[final] + norm(v1[final], v2[final])*e1"
+    with pytest.raises(SpecError, match="uses r, and it is not clear at which end"):
+        load_text(text.replace("near.speed[final]", "far(v[final])").replace("norm(a)*e", "norm(a)*r[1]*e"), "x.yaml")
 
 
 def test_the_schema_for_editors_knows_vectors():

@@ -16,6 +16,7 @@ from trajopt.transcription.continuation import solve_spec
 from trajopt.transcription.loading import build_checked, load_file, load_yaml
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
+from trajopt.transcription.structure.courses import _share
 from trajopt.transcription.structure.runs import arcs_of, snapped, with_touches
 
 MOVE = """\
@@ -197,3 +198,9 @@ def test_the_arc_and_the_bound_of_a_time():
     course = Course("u", CONTROL, Range(-1, 3), (Arc(0, 1, UPPER), Arc(1, 2, INSIDE)))
     assert course.at(0.5).on == UPPER and course.at(1.5).on == INSIDE and course.at(9).on == INSIDE
     assert course.bound(course.arcs[0]) == 3 and np.isnan(course.bound(course.arcs[1]))
+
+
+def test_an_arc_of_no_duration_is_held_by_nothing():
+    """As where a control is cut at a touch of the bound: a share of it is a share of nothing."""
+    wall = Course("x", STATE, Range(0, 1), (Arc(0.0, 2.0, UPPER), Arc(2.0, 3.0, INSIDE)))
+    assert [_share(wall, Arc(a, b, INSIDE)) for a, b in ((1.0, 1.0), (2.0, 2.0), (1.0, 3.0))] == [0, 0, 0.5]

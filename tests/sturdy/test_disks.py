@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from hostile.disks import CASES, runs
+from hostile.full_disk import runs as full_disks
 
 from trajopt.cli.streams import flushed_output
 from trajopt.problems import files
@@ -20,6 +21,15 @@ QUICK = ["a size limit", "help to a full device", "latin-1, a Chinese name", "PY
 def test_a_sample_of_the_campaign(tmp_path):
     for run in runs([case for case in CASES if case.name in QUICK], tmp_path):
         assert not run.fault, run
+
+
+def test_a_disk_that_is_full(tmp_path):
+    """A table that does not fit any more: one sentence, and what was there stays whole."""
+    try:
+        (run,) = full_disks(tmp_path, ["table"], (4096,))
+    except PermissionError as refused:
+        pytest.skip(str(refused))
+    assert run.code == 3 and not run.fault and "no space left" in run.err, run
 
 
 @pytest.mark.parametrize("name", ["n" * 252 + ".h5", "é" * 126 + ".h5", "." * 200 + "x", "a b\nc.h5"])

@@ -235,9 +235,9 @@ def _sharpened(on: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarr
 
 
 def _share(other: Course, arc: Arc) -> float:
-    """For which part of an arc another quantity is on a bound."""
+    """For which part of an arc another quantity is on a bound; 0 for an arc of no duration."""
     on = [min(own.end, arc.end) - max(own.start, arc.start) for own in other.arcs if own.on != INSIDE]
-    return sum(part for part in on if part > 0) / (arc.end - arc.start)
+    return sum(part for part in on if part > 0) / (arc.end - arc.start) if arc.end > arc.start else 0.0
 
 
 def _split(arc: Arc, cuts: Sequence[float]) -> list[Arc]:
