@@ -48,8 +48,8 @@ def shorten(text: str, limit: int = 80) -> str:
 
 
 def brief(word: str | int) -> str:
-    """A word of the user's on one short line, for messages."""
-    return shorten(tidy(str(word)), 40)
+    """A word of the user's on one short line, for messages: nothing in it steers a terminal."""
+    return shorten(printable(tidy(str(word))), 40)
 
 
 def with_bar(value: float, bar: float) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """A small sample of the campaign `python -m tests.hostile`, and the kinds of damage that it is about, by name."""
 
+import json
 import sys
 from subprocess import PIPE, Popen
 
@@ -187,6 +188,19 @@ def test_a_stored_problem_loads_no_library(result):
         assert "evil" in file["spec/full"].asstr()[()]
     options = stored_spec(result).solver.model_dump()
     assert not {"hsllib", "resto.output_file"} & options.keys()
+
+
+@pytest.mark.parametrize("place", ["mesh", "states", "time"])
+def test_messages_about_a_stored_problem_steer_no_terminal(result, place):
+    """Also those of exceptions, which nothing else cleans."""
+
+    def change(text):
+        return json.dumps({**json.loads(text), place: ["\x1b[31mred"]})
+
+    with_problem(change)(result)
+    with pytest.raises(FileError) as caught:
+        stored_spec(result)
+    assert str(caught.value).isprintable()
 
 
 def test_a_result_without_the_guess_is_told_from_it(result):

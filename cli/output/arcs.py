@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain, pairwise
+from math import isclose
 from typing import Any
 
 from .printing import print_field
 
+KINDS = ("control", "state", "path")
+"""What has arcs, in the order in which it is told."""
+
 FEW, SHORT = 3, 8
 """Quantities that the short table tells, and arcs of each."""
+
+SAME = 1e-9  # relative difference of times that a solver holds equal
 
 
 def few_arcs(phases: Mapping[str, Any]) -> Iterator[str]:
@@ -32,17 +39,35 @@ def print_arcs(phases: Mapping[str, Any]) -> None:
 
 
 def _told(phases: Mapping[str, Any], most: int | None = None) -> Iterator[str]:
-    """A text for each quantity, of at most so many arcs each."""
-    of_kind = [
-        (own, name) for kind in ("control", "state", "path") for name in phases for own in _of(phases[name], kind)
-    ]
-    for own, phase in of_kind:
-        where = f"{phase}, " if len(phases) > 1 else ""
-        yield f"{where}{own['name']}: {_sentence(own['arcs'], most)}"
+    """A text for each quantity, of at most so many arcs each; one for all phases, where it has arcs in all of them."""
+    names = {(own["kind"], own["name"]): None for phase in phases.values() for own in phase["arcs"]}
+    for kind, name in sorted(names, key=lambda key: KINDS.index(key[0])):
+        found = {phase: own["arcs"] for phase in phases for own in phases[phase]["arcs"] if _is(own, kind, name)}
+        if len(found) == len(phases) and _consecutive(phases):
+            yield f"{name}: {_sentence(_joined(found.values()), most)}"
+        else:
+            yield from (f"{phase}, {name}: {_sentence(arcs, most)}" for phase, arcs in found.items())
 
 
-def _of(phase: Mapping[str, Any], kind: str) -> list[dict[str, Any]]:
-    return [own for own in phase["arcs"] if own["kind"] == kind]
+def _is(own: Mapping[str, Any], kind: str, name: str) -> bool:
+    return own["kind"] == kind and own["name"] == name
+
+
+def _consecutive(phases: Mapping[str, Any]) -> bool:
+    """Whether each phase begins when the one before it ends."""
+    times = [phase["time"] for phase in phases.values()]
+    return all(isclose(before["final"], after["initial"], rel_tol=SAME) for before, after in pairwise(times))
+
+
+def _joined(phases: Iterable[list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    """The arcs of phases one after the other; what goes on as it was is one arc."""
+    found: list[dict[str, Any]] = []
+    for arc in chain.from_iterable(phases):
+        if found and all(found[-1][key] == arc[key] for key in ("on", "by", "bound")) and arc["end"] > arc["start"]:
+            found[-1] = {**found[-1], "end": arc["end"]}
+        else:
+            found.append(arc)
+    return found
 
 
 def _sentence(arcs: list[dict[str, Any]], most: int | None) -> str:

@@ -15,7 +15,7 @@ def schema() -> None:
 
     Editors and validators use it to complete and check a file while it is written.
     """
-    from ...problems.schema.spec import schema as json_schema
+    from ...problems.language.json_schema import schema as json_schema
     from ...transcription.schemes.table import METHODS
 
     print(json.dumps(json_schema(tuple(METHODS)), indent=2))

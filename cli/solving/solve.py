@@ -7,10 +7,10 @@ import os
 import shlex
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -49,6 +49,9 @@ Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print every iter
 GuessFile = Annotated[
     Path | None, typer.Option("--guess", metavar="RESULT", help="Start from the curves of this result.", readable=False)
 ]
+Polish = Annotated[
+    bool, typer.Option("--polish", help="Solve again in phases, one for each arc that the solution shows.")
+]
 Plot = Annotated[bool, typer.Option("--plot", help="Draw the result too, as 'trajopt plot' does.")]
 
 
@@ -70,6 +73,7 @@ def solve(
     json_: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    polish: Polish = False,
     plot: Plot = False,
     force: Force = False,
 ) -> None:
@@ -96,6 +100,9 @@ def solve(
         for job in jobs:
             solution = _solved(job, stop, quiet, verbose)
             path = _kept(job, solution)
+            if polish:
+                better, solution = _polished(job, solution, stop, quiet, verbose)
+                path = _kept(better, solution)
             if json_ or not (quiet and solution.solved):
                 _tell(path, json_, quiet)
             if plot:
@@ -125,6 +132,7 @@ class _Job:
     target: Path
     guess: list[Guess] | None
     force: bool
+    overrides: Mapping[str, Any]
 
 
 def _targets(specs: list[Spec], output: str | None) -> list[Path]:
@@ -157,7 +165,9 @@ def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: boo
     jobs = []
     for spec, problems, target in zip(specs, build_checked(specs), targets, strict=True):
         check_target(target, spec.name, force)
-        jobs.append(_Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None, force))
+        jobs.append(
+            _Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None, force, spec.overrides)
+        )
     return jobs
 
 
@@ -171,6 +181,18 @@ def _solved(job: _Job, stop: Callable[[], bool], quiet: bool, verbose: bool) -> 
         return solve_spec(spec, job.problems, guess=job.guess, progress=progress, stop=stop)
 
 
+def _polished(
+    job: _Job, solution: Solution, stop: Callable[[], bool], quiet: bool, verbose: bool
+) -> tuple[_Job, Solution]:
+    """The solution in phases by its arcs, and the job with their file; both as they are where that is no better."""
+    from ...results.polish.polish import polish
+    from ..output.progress import live_line, print_iteration
+
+    with native_output(2), live_line(job.spec.name, wanted=not (quiet or verbose)) as line:
+        found = polish(job.spec, solution, print_iteration if verbose else line, stop)
+    return replace(job, spec=found.spec), found.solution
+
+
 def _kept(job: _Job, solution: Solution) -> Path:
     """Write the result, and tell where: beside an earlier solution that it should not replace.
 
@@ -182,7 +204,7 @@ def _kept(job: _Job, solution: Solution) -> Path:
     if place != job.target:
         kept = f"{job.target} holds a solution and is kept (--force replaces it); this result is in {place}"
         print(f"note: {one_line(kept)}", file=sys.stderr)
-    told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.spec.overrides
+    told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.overrides
     try:
         write(place, solution, *told)
     except FileError as error:

@@ -66,15 +66,15 @@ def _angles(entry: ModelEntry, data: Mapping[str, Any]) -> Iterator[Finding]:
     moving = [q for q in angles if q]
     if not moving and entry.base != FLOATING:
         yield Finding(("model", "links"), "no link of this chain can turn", "remove joint: fixed from one of them")
+    base = ("x", "y")[: {CART: 1, FLOATING: 2}.get(entry.base, 0)]
+    rates = {f"d{q}" for q in (*moving, *base)}
+    chain = {*moving, *base, *rates}
     for q, count in Counter(moving).items():
-        if count > 1:
+        what = f"two angles are called {q}" if count > 1 else f"{q} is another state of the chain"
+        if count > 1 or q in base or q in rates:
             number = len(angles) - 1 - angles[::-1].index(q)
-            yield Finding(
-                ("model", "links", number, "angle"), f"two angles are called {q}", "give each a name of its own"
-            )
+            yield Finding(("model", "links", number, "angle"), what, "give each a name of its own")
     states = data.get("states")
-    chain = {*moving, *("x", "y")[: {CART: 1, FLOATING: 2}.get(entry.base, 0)]}
-    chain |= {f"d{q}" for q in chain}
     for name, own in states.items() if isinstance(states, dict) else ():
         given = own if isinstance(own, dict) else {}
         if name in chain:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, Node, Number, leaves
-from ..names.symbols import INTEGRAL
+from ..names.troubles import INTEGRAL
 from ..schema.declarations import EndValue, IntegralState
 from ..schema.phases import PhaseEntry
 from ..schema.spec import Spec

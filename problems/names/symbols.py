@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ..expressions.delays import delay_of
 from ..expressions.expression import Expression, Fault
 from ..expressions.given import Given, given
 from ..expressions.tree import External, Name, Node, Number, count, leaves
@@ -15,14 +14,13 @@ from ..models.model import Equations
 from ..quantities import Function, Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
-from ..text import did_you_mean, shorten
-from ..wishes.names import name_wish
+from ..text import shorten
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
-from .delays import delayed_states, no_delay
-from .occurrences import BOUNDARY, CONSTANT, GUESS, HISTORY, MEASURED, TRAJECTORY, Use, uses
+from .delays import delayed_states
+from .occurrences import Use, uses
 from .roles import (
     ALGEBRAIC,
     CONTROL,
@@ -32,21 +30,13 @@ from .roles import (
     STATE,
     TABLE,
     VARYING,
-    not_at_ends,
-    not_in_history,
-    with_article,
 )
-
-# Looking for a similar name among thousands takes time.
-MAX_SUGGESTIONS = 20
-MAX_KNOWN = 500
+from .troubles import Troubles
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
 # Stands for a value that is mistaken; see `checks.repair`.
 UNKNOWN = Expression("?", Name(0, 1, "?", None))
-
-INTEGRAL = "integral."  # integral.work: the value of an integral
 
 Origin = Callable[[Path], Path]
 """Path of a value in the spec of a phase -> where the file has it."""
@@ -107,16 +97,16 @@ class Symbols:
         }
         self.roles = {name: role for role, names in groups.items() for name in names}
         self.static = frozenset(spec.optimize)
-        self.found = "optimize" if spec.static else "controls"
         self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
         self.tables = lookups.fitted(spec, self.findings)
+        found = "optimize" if spec.static else "controls"
+        self._troubles = Troubles(self.roles, self.tables, self.integrals, found)
         self.numbers: dict[str, float] = {}
         self.fixed: dict[str, float] = {}
         self.definitions: dict[str, Expression] = {}
         self.varying: set[str] = set()
         self._wrong: set[Path] = set()
-        self._unknown_names = 0
         self._outputs_unknown = False
         self.equations: Equations | None = None
         self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
@@ -208,7 +198,7 @@ class Symbols:
             if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
-            trouble = self._trouble(name, use.context, use.path)
+            trouble = self._troubles.of(name, use.context, use.path)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
                 self._wrong.add(use.path)
@@ -216,78 +206,6 @@ class Symbols:
         if wrong := lookups.misused(use.expression, self.tables):
             self._wrong.add(use.path)
             self.findings += [Finding(use.path, *own) for own in wrong if own]
-
-    def _trouble(self, name: Name, context: str, path: Path) -> tuple[str, str] | None:
-        """What is wrong with a name in this context, and the remedy."""
-        role, found = self.roles.get(name.name), None
-        delay = delay_of(name.name)
-        if delay and (role is None or context != TRAJECTORY):
-            found = no_delay(delay, self.roles, STATE)
-        elif role is None:
-            found = self._unknown(name.name, context, path)
-        elif role == TABLE:
-            found = f"{name.name} is a table of data", lookups.as_called(name.name, self.tables)
-        elif context == HISTORY:
-            found = not_in_history(name.name, role)
-        elif context == CONSTANT and role not in ("parameter", "unknown"):
-            found = (
-                f"{name.name} is {with_article(role)}, but this value must be known before the solution is",
-                "use numbers and parameters here, and put conditions on other names under constraints:",
-            )
-        elif context in (GUESS, MEASURED) and name.end:
-            found = f"{name.name}[{name.end}] is a value at one end, which is not known here", f"write {name.name}"
-        elif context == TRAJECTORY and name.end:
-            found = (
-                f"{name.name}[{name.end}] is a value at one end, but this expression is taken at every time",
-                f"write {name.name}, or move the expression to constraints.boundary or to the terminal objective",
-            )
-        elif context == BOUNDARY:
-            found = not_at_ends(name, role)
-        return found
-
-    def _unknown(self, name: str, context: str, path: Path) -> tuple[str, str]:
-        what = f'unknown name "{name}"'
-        if name.endswith("]"):
-            return self._no_rate(name.partition("[")[0])
-        if name.startswith(INTEGRAL):
-            return self._no_integral(name.removeprefix(INTEGRAL), context)
-        varying = [n for n, role in self.roles.items() if role in VARYING]
-        if wish := name_wish(name, path, varying, [n for n in varying if self.roles[n] == STATE]):
-            return what, wish
-        if "." in name:
-            remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
-            return f"{what}: expressions know no modules and no attributes", remedy
-        return what, self._like(name, context) or _declared(name, context, self.found)
-
-    def _like(self, name: str, context: str) -> str:
-        """The question after the known name that is most like this one; "" where there is none."""
-        if self._unknown_names >= MAX_SUGGESTIONS:
-            return "declare it"
-        self._unknown_names += 1
-        known = [n for n, role in self.roles.items() if role == "parameter" or (context != CONSTANT and n != "?")]
-        return did_you_mean(name, [*known[:MAX_KNOWN], "pi"])
-
-    def _no_integral(self, name: str, context: str) -> tuple[str, str]:
-        """What is wrong with integral.name, which is no value of an integral here."""
-        if name not in self.integrals:
-            remedy = did_you_mean(name, self.integrals, f"declare it under integrals: as {name}: and the integrand")
-            return f'there is no integral "{name}"', remedy
-        whole = f"integral.{name} is known at the final time"
-        if context == BOUNDARY:
-            return f"integral.{name} is one number", f"write integral.{name}, without [ ]"
-        if context == CONSTANT:
-            return (
-                f"{whole}, but this value must be known before the solution is",
-                "put the condition under constraints:",
-            )
-        return f"{whole}, but this expression is taken at every time", f"write {name} for the integral so far"
-
-    def _no_rate(self, name: str) -> tuple[str, str]:
-        """What is wrong with name[rate], which is no implicit rate."""
-        if self.roles.get(name) == STATE:
-            remedy = f"write its rate instead, or leave out rate: of {name} to make it implicit"
-            return f"the rate of {name} is given, so {name}[rate] is not an unknown", remedy
-        return f'unknown name "{name}[rate]"', "only a state without rate: and accel: is known by its rate"
 
     def _build_model(self, spec: Spec) -> None:
         """The equations of the model, if all its parameters are known, and its outputs as definitions."""
@@ -344,14 +262,6 @@ class Symbols:
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = given(expression, self._of_fixed)
-
-
-def _declared(name: str, context: str, found: str) -> str:
-    """How a name is declared that an expression uses; found: the section of what is to be found."""
-    given = f"under parameters: as {name}: 1.0"
-    if context == CONSTANT:
-        return f"declare it, for example {given}"
-    return f"declare it: under {found}: as {name}: {{}} if it is to be found, {given} if it is given"
 
 
 def _external(name: str, function: Function, names: list[str]) -> Expression:

@@ -15,7 +15,8 @@ from ..expressions.tree import Chain, External, Link, Name, Node, below, leaves,
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
-from ..names.symbols import INTEGRAL, Symbols, no_value, range_of
+from ..names.symbols import Symbols, no_value, range_of
+from ..names.troubles import INTEGRAL
 from ..quantities import Range
 from ..schema.fields import Bounded
 from ..text import did_you_mean

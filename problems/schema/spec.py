@@ -1,7 +1,8 @@
 """The schema of a problem file: every key with its meaning, unit and default.
 
-`Spec` is what `load.load` returns. Its JSON Schema (`schema()`) documents the file format; a key that is not named
-here is a mistake. A value that may be computed is a `Formula`: a number or an expression, held as an `Expression`.
+`Spec` is what `load.load` returns. Its JSON Schema (`language.json_schema`) documents the file format; a key that is
+not named here is a mistake. A value that may be computed is a `Formula`: a number or an expression, held as an
+`Expression`.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, PrivateAttr, field_validator
-from pydantic.json_schema import GenerateJsonSchema
 
 from ..errors import Mistake
 from ..text import brief, shorten, tidy
@@ -282,69 +282,3 @@ def _at(data: Any, place: Path) -> Any:
         found = (isinstance(data, dict) and step in data) or (isinstance(data, list) and step in range(len(data)))
         data = data[step] if found else None
     return data.get("value", data) if isinstance(data, dict) else data
-
-
-class _Definitions(GenerateJsonSchema):
-    """Definitions have the names that people know: Mesh, not MeshEntry."""
-
-    def normalize_name(self, name: str) -> str:
-        return super().normalize_name(name).removesuffix("Entry")
-
-
-def _with_templates(node: Any, whole: bool = False) -> None:
-    """Let entries be templates, see `language.loops`; node: of a JSON Schema; whole: the file itself is none."""
-    if isinstance(node, list):
-        for own in node:
-            _with_templates(own)
-    if not isinstance(node, dict):
-        return
-    for own in node.values():
-        _with_templates(own)
-    if isinstance(node.get("properties"), dict) and node.get("additionalProperties") is False and not whole:
-        description = "i in 1..20: this is a template, an entry for each i, which stands in it as {i}"
-        node["properties"]["for"] = {"type": ["string", "array"], "description": description}
-    if isinstance(node.get("additionalProperties"), dict):
-        node["patternProperties"] = {"^for ": {"type": "object"}}
-
-
-def _with_vectors(result: dict[str, Any]) -> None:
-    """Let names be vectors, see `vectors.write_out`: they have a size, and values are lists as well as expressions."""
-    for kind in ("State", "Control", "Algebraic", "Static"):
-        description = "of a vector: the number of its components, or rows and columns, [3, 3]"
-        result["$defs"][kind]["properties"]["size"] = {
-            "type": ["integer", "string", "array"],
-            "description": description,
-        }
-    waiting: list[Any] = [result]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, dict) and node.get("type") == ["number", "string"]:
-            node |= {"type": ["number", "string", "array"], "minItems": 1}
-        if isinstance(node, dict) and node.get("type") == "array" and node.get("maxItems") == 2:  # a point of a drawing
-            node["type"] = ["array", "string"]
-        waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-
-
-def _with_conditions(result: dict[str, Any]) -> None:
-    """Let a constraint and a link be a text, see `language.conditions`."""
-    waiting: list[Any] = [result]
-    while waiting:
-        node = waiting.pop()
-        items = node.get("items") if isinstance(node, dict) else None
-        if isinstance(items, dict) and str(items.get("$ref", "")).endswith(("/Constraint", "/Link")):
-            node["items"] = {"anyOf": [items, {"type": "string"}]}
-        waiting += node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-
-
-def schema(methods: tuple[str, ...] = ()) -> dict[str, Any]:
-    """JSON Schema of a problem file, for editors; `methods` are the names that a mesh entry may give."""
-    result = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Spec.model_json_schema(schema_generator=_Definitions),
-    }
-    _with_templates(result, whole=True)
-    _with_vectors(result)
-    _with_conditions(result)
-    if methods:
-        result["$defs"]["Mesh"]["properties"]["method"]["enum"] = list(methods)
-    return result

@@ -161,6 +161,12 @@ CHAINS = [
     chain(
         "one angle twice", "length: 0.2", "length: 0.2, angle: q1", "model.links.1.angle", "two angles are called q1"
     ),
+    chain(
+        "an angle called as the cart", "length: 0.2", "length: 0.2, angle: x", "model.links.1.angle", "another state"
+    ),
+    chain(
+        "an angle called as a rate", "length: 0.2", "length: 0.2, angle: dq1", "model.links.1.angle", "another state"
+    ),
     flying("a motor in flight", "mass: m,", "mass: m, motor: u,", "model.links.0.motor", "could push against"),
     chain(
         "a force on no link",

@@ -5,8 +5,8 @@ import yaml
 
 import trajopt
 from trajopt.problems.errors import SpecError
+from trajopt.problems.language.json_schema import schema
 from trajopt.problems.load import load_text
-from trajopt.problems.schema.spec import schema
 
 FILE = """\
 trajopt: 1

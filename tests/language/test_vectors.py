@@ -12,8 +12,8 @@ import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.expressions.expression import parse
+from trajopt.problems.language.json_schema import schema
 from trajopt.problems.load import load_text
-from trajopt.problems.schema.spec import schema
 from trajopt.problems.vectors.algebra import Scalar
 from trajopt.problems.vectors.reader import evaluate
 from trajopt.transcription.loading import load_yaml

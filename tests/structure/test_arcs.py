@@ -144,7 +144,7 @@ def test_show_tells_them_in_words_and_as_json(goddard):
 
 def told(*courses):
     """The words for (name, kind, arcs) each; an arc is (on, end, bound) or (on, end, bound, by)."""
-    phases = {"main": {"arcs": []}}
+    phases = {"main": {"arcs": [], "time": {"initial": 0, "final": 1}}}
     for name, kind, given in courses:
         start, found = 0.0, []
         for on, end, bound, *by in given:
@@ -158,7 +158,7 @@ def test_words():
     bangs = ("u", CONTROL, [(UPPER, 13.73, 2), (INSIDE, 21.99, None, SINGULAR), (LOWER, 42, 0)])
     touch = ("x", STATE, [(INSIDE, 0.5, None), (UPPER, 0.5, 1), (INSIDE, 1, None)])
     always = ("w", CONTROL, [(LOWER, 1, -1)])
-    many = ("chatter", PATH, [(LOWER, t, -1) for t in range(1, 10)])
+    many = ("chatter", PATH, [((LOWER, UPPER)[t % 2], t, -1) for t in range(1, 10)])
     assert told(touch, bangs, many, always) == [
         "u: max until 13.73, singular until 21.99, then 0",
         "w: min throughout",
@@ -167,6 +167,21 @@ def test_words():
     ]
     assert told(many) == ["chatter: 9 arcs, on its bounds and off them"]
     assert told() == []
+
+
+def test_phases_one_after_the_other_are_told_together():
+    def phase(start, end, **arcs):
+        own = [
+            {"name": name, "kind": CONTROL, "arcs": [{"start": start, "end": end, "by": "", **arc}]}
+            for name, arc in arcs.items()
+        ]
+        return {"time": {"initial": start, "final": end}, "arcs": own}
+
+    top, low = {"on": UPPER, "bound": 1}, {"on": LOWER, "bound": 0}
+    phases = {"a": phase(0, 1, u=top, w=top), "b": phase(1, 2, u=top), "c": phase(2, 3, u=low, w=low)}
+    assert list(few_arcs(phases)) == ["u: max until 2, then 0", "a, w: max throughout", "c, w: 0 throughout"]
+    apart = {**phases, "c": phase(2.5, 3, u=low)}
+    assert "c, u: 0 throughout" in list(few_arcs(apart))
 
 
 MESH = Mesh.of(find("trapezoid"), 6)

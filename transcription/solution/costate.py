@@ -12,9 +12,10 @@ belong to segment s (defects, path constraints, running cost),
     lambda(t_k) = d L_s / d x_k for the segment that starts at t_k, -d L_s / d x_k for the one that ends there.  (2)
 
 (2) has the full order of the scheme, also at both ends of the trajectory and where an end is no collocation point. Both
-agree unless a bound on the state is active at the knot, where a costate may jump. Costates are those of the minimised
-objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense: d J / d x as
-written.
+agree unless a bound on the state is active at the knot, where a costate may jump. Where a state is fixed all the time,
+that is everywhere, for itself and the states that keep it there: then (1) holds at the knots, too. Costates are those
+of the minimised objective with H = w + lambda f (paper, appendix B, with the sign of (B.7)), times the problem's sense:
+d J / d x as written.
 """
 
 from __future__ import annotations
@@ -48,14 +49,20 @@ def costates(transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -
 def _costate(layout: Layout, transcription: Transcription, nlp: CompiledNLP, outcome: Outcome) -> np.ndarray:
     mesh = layout.mesh
     costate = np.full((len(layout.phase.states), len(mesh.slot_points)), np.nan)
+    at_ends: list[tuple[np.ndarray, np.ndarray]] = []
     for number, group in enumerate(mesh.groups):
         mu = _defect_multipliers(layout, number, transcription, nlp, outcome)
         scheme = collocation_scheme(group.scheme)
         inner = [j for j, node in enumerate(scheme.collocated) if 0 < node < len(scheme.sigma) - 1]
         slots = group.slots[:, [scheme.collocated[j] for j in inner]]
         costate[:, slots] = -(mu @ scheme.R[:, inner]) / scheme.b[inner]  # (1)
+        for j in sorted(set(range(len(scheme.c))) - set(inner)):
+            at_ends.append((group.slots[:, scheme.collocated[j]], -(mu @ scheme.R[:, j]) / scheme.b[j]))
     start, end = _knot_gradients(layout, nlp, outcome)
     costate[:, mesh.offset], costate[:, mesh.offset + mesh.degrees] = start, -end  # (2)
+    if any(state.bounds.fixed for state in layout.phase.states):
+        for slots, values in at_ends:
+            costate[:, slots] = values
     return costate
 
 

@@ -200,14 +200,16 @@ class Multipliers:
         """What bounds of states at the knots add to the costates of `costate`, shape (n_x, K + N - 1), at the slots.
 
         There a bound's multiplier stands between the costates of both sides, whole. Where the bound acts over time, its
-        parts belong to both segments, as those of a path constraint do.
+        parts belong to both segments, as those of a path constraint do. Costates of states that are fixed all the time
+        have it already.
         """
         mesh, o = layout.mesh, self.outcome
         inner = np.arange(1, mesh.segments)
         starts, ends = mesh.offset[inner], mesh.offset[inner - 1] + mesh.degrees[inner - 1]
         parts = mesh.slot_parts
         places = layout.x[:, mesh.knots[inner]]
-        z = np.where(places >= 0, o.z_upper[places] - o.z_lower[places], 0.0)
+        varies = np.array([not state.bounds.fixed for state in layout.phase.states], bool)[:, None]
+        z = np.where((places >= 0) & varies, o.z_upper[places] - o.z_lower[places], 0.0)
         added = np.zeros((len(layout.x), len(mesh.slot_points)))
         added[:, starts], added[:, ends] = parts[starts] * z, -parts[ends] * z
         return added

@@ -143,8 +143,10 @@ class _Phase:
         if len(s):
             np.add.at(mass, np.searchsorted(fractions, s - 1e-14).clip(max=len(mass) - 1), y)
         below, above, width = _slacks(values, bounds)
-        on = _sharpened(np.where(above <= NEAR_STATE, 1, np.where(below <= NEAR_STATE, -1, 0)), above, below)
-        acting = on * mass * width / self.size > np.where(on > 0, above, below)
+        on = np.where(above <= NEAR_STATE, 1, np.where(below <= NEAR_STATE, -1, 0))
+        slack = np.where(on > 0, above, below)
+        acting = on * mass * width / self.size > slack
+        on = _sharpened(on, slack, acting)
         cut = partial(self._contact, on)
         arcs = arcs_of(on, points, self.layout.mesh, self.trajectory.knots, self._acting(acting, 0.0), cut)
         return Course(name, kind, bounds, with_touches(snapped(arcs, times), self._touches(on, acting, np.abs(mass))))
@@ -223,13 +225,13 @@ def _slacks(values: np.ndarray, bounds: Range) -> tuple[np.ndarray, np.ndarray, 
     return (values - bounds.lower) / width, (bounds.upper - values) / width, width
 
 
-def _sharpened(on: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-    """The points on bounds (K,), as of `arcs_of`, without those at the ends that are too far."""
+def _sharpened(on: np.ndarray, slack: np.ndarray, acting: np.ndarray) -> np.ndarray:
+    """The points on bounds (K,), as of `arcs_of`, without those at the ends that are too far and do not act."""
     kept = on.copy()
     for run in np.split(np.arange(len(on)), np.flatnonzero(np.diff(on)) + 1):
         if on[run[0]]:
-            slack = (above if on[run[0]] > 0 else below)[run]
-            close = np.flatnonzero(slack <= max(BEYOND * np.sort(slack)[len(slack) // 2], ROUNDING))
+            level = max(BEYOND * np.sort(slack[run])[len(run) // 2], ROUNDING)
+            close = np.flatnonzero((slack[run] <= level) | acting[run])
             kept[run[: close[0]]] = kept[run[close[-1] + 1 :]] = 0
     return kept
 
