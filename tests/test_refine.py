@@ -1,6 +1,7 @@
 """Refinement: meets its tolerance where it can, says where it cannot, and puts the points where they are needed."""
 
 import time
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -122,7 +123,7 @@ def test_what_cannot_be_met_is_told():
 
 def test_a_refined_mesh_that_fails_leaves_the_solution_before_it(folder):
     arguments = ("block_move_min_work", "--set", "mesh=[{method: radau, segments: 20}]", "--refine", "1e-7")
-    run = trajopt("solve", *arguments, "--set", "solver.max_iter=40", "-o", "kept.h5")
+    run = trajopt("solve", *arguments, "--set", "solver.max_iter=30", "-o", "kept.h5")
     assert run.exit_code == TOLERANCE_MISSED
     assert "solved, tolerance missed" in run.stdout
     assert "miss the tolerance; the worst: segment" in run.stdout
@@ -200,7 +201,7 @@ def test_no_mesh_is_solved_twice_and_a_good_one_stays():
 def test_segments_are_split_in_proportion_to_their_error():
     solution = solve(growth(), [Step("trapezoid", [3, 1, 1], 1e-11)])
     (trajectory,), (error,) = solution.trajectories, solution.errors
-    errors = error.relative
+    errors, error = error.relative, replace(error, worth=np.zeros(3))
     refinement = refine(trajectory, error, tolerance=float(errors[1:].max()) / MARGIN * 1.01)
     assert refinement.mesh.segments > 3
     assert refinement.mesh.widths[-2:] == pytest.approx(trajectory.mesh.widths[1:])  # the good ones are left alone

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from command_line import trajopt
+from scipy.optimize import brentq
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
@@ -31,6 +32,15 @@ states:
   v: {rate: g*cos(theta), initial: 0}
 controls: {theta: {lower: 0, upper: 2*pi}}
 objective: {minimize: {terminal: "t[final]"}}
+"""
+ROPE = """\
+trajopt: 1
+name: the largest area below a rope
+time: {initial: 0, final: 1}
+states: {y: {rate: u, initial: 0, final: 0}}
+controls: {u: {}}
+objective: {maximize: {integral: y}}
+constraints: {integral: [{name: length, expression: sqrt(1 + u**2), equals: 1.3}]}
 """
 CUBE = """
 trajopt: 1
@@ -66,6 +76,14 @@ def test_a_start_where_nothing_acts(folder):
     assert summary["objective"] == pytest.approx(0.58289546, abs=1e-6)
     (note,) = summary["notes"]
     assert note.startswith("theta had no effect at the start of the file")
+
+
+def test_a_start_where_a_constraint_has_no_slope(folder):
+    """A rope along its chord cannot become longer to first order; the largest area is that of a circular arc."""
+    summary = solved(folder, ROPE)
+    angle = brentq(lambda a: 1.3 / a * 2 * np.sin(a / 2) - 1, 0.1, 6)
+    area = (1.3 / angle) ** 2 * (angle - np.sin(angle)) / 2
+    assert abs(summary["objective"] - area) <= summary["objective_error"] < 1e-5
 
 
 @pytest.mark.parametrize("rate", ["u**3", "u**2*sin(u)", "v*u**3"])

@@ -8,11 +8,11 @@ from exact import RIVER
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
-from trajopt.results.audit.candidates import box, candidates, feasible
 from trajopt.results.audit.pontryagin import NAME as PONTRYAGIN
 from trajopt.results.audit.starts import NAME as STARTS
 from trajopt.results.file.write import write
 from trajopt.results.verify import verify
+from trajopt.transcription.pontryagin.candidates import box, candidates, feasible
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solution.hamiltonian import Constrained
 from trajopt.transcription.solve import solve

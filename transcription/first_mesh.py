@@ -82,7 +82,7 @@ def _of_many(
             break
         found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guesses), watch)
         objectives.append(found[0].objective if found[0].status.usable else None)
-        one, other = (found, best) if _better(found[0], best[0], problem.sense) else (best, found)
+        one, other = (found, best) if better(found[0], best[0], problem.sense) else (best, found)
         records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
     return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
@@ -107,7 +107,7 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
             break
         tried += 1
         found = run(other.guesses, limit)
-        if _better(found[0], best[0], problem.sense):
+        if better(found[0], best[0], problem.sense):
             best, words = found, other.words
             if not doubt:
                 break
@@ -168,8 +168,12 @@ def _doubted(found: Found) -> Found:
     return replace(solution, notes=(*solution.notes, f"{what}; give another guess of {names}")), solved
 
 
-def _better(new: Solution, old: Solution, sense: int) -> bool:
-    """Whether a solution is one where the other is none, or has the better objective by more than rounding."""
+def better(new: Solution, old: Solution, sense: int) -> bool:
+    """Whether a solution is one where the other is none, or has the better objective by more than rounding.
+
+    new, old: of one problem.
+    sense: +1 where the least is the best, -1 where the largest is.
+    """
     if not new.status.usable or not old.status.usable:
         return new.status.usable and not old.status.usable
     gain = sense * (old.objective - new.objective)

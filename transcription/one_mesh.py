@@ -50,6 +50,10 @@ TIGHTENING = {
 """Options of a solve that starts from a solution with a larger barrier parameter: it stays where it is."""
 
 
+Planned = tuple[Problem, list[Mesh], float]
+"""The problem, the mesh of each phase and the tolerance of a solve."""
+
+
 Found = tuple[Solution, Solved]
 """A solution, and what the next solve starts from."""
 
@@ -204,6 +208,9 @@ def _measured(
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)
     bar = objective_error(transcription, nlp, outcome, phases)
+    if bar.applies:
+        size = 1 + abs(outcome.objective)
+        errors = tuple(replace(own, worth=shares / size) for own, shares in zip(errors, bar.shares, strict=True))
     bar = replace(bar, bar=bar.bar + worth)
     clock.append(time.perf_counter())
     objective, seconds = problem.sense * outcome.objective, _seconds(clock, nlp)

@@ -10,18 +10,19 @@ from itertools import count
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
+from .again.same_mesh import from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh, tightened
-from .refinement.basin import left_basin, unmeasurable, unminimised
+from .one_mesh import Found, Limit, Origin, Planned, Watch, added, solve_mesh, tightened
+from .pontryagin.needles import Lower, lower_hamiltonian
+from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES, refine
-from .schemes.mesh import Mesh
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
-from .solution.solution import MeshRecord, Solution
+from .solution.solution import MeshRecord, Solution, with_bar
 from .starts.near import Near
 from .structure.convexity import kind_of_program
 from .structure.courses import courses
@@ -36,6 +37,14 @@ on the mesh before, if that is less; with more the engine takes the interpolated
 ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
 """Statuses of a solve that was told to end, and how a mesh is called that ended so."""
 
+OF_GAIN = 2.0
+"""What other controls may gain, as a multiple of what the Hamiltonian says: that is of first order."""
+
+UNMINIMISED = (
+    "this solution is stationary, and no minimum; another guess of the controls may lead to a better one, or a control "
+    "that switches ever faster (chattering), which no mesh holds"
+)
+
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
 
@@ -43,9 +52,9 @@ GAP_SHARE, DAMPING_SHARE = 1e-3, 0.1
 """Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave, and what the damping of
 controls that chatter may be worth."""
 
-Planned = tuple[Problem, list[Mesh], float]
-"""The problem, the mesh of each phase and the tolerance of a solve."""
-
+LOWERED, NOTICED = 3, 0.25
+"""Times to start again with controls that have a lower Hamiltonian; and of the error bar, if it does not fall with the
+mesh, what they have to gain."""
 
 Schedule = Sequence[Step | Sequence[Step]]
 """What to solve on in turn: one step for all phases, or one for each."""
@@ -110,7 +119,9 @@ class _Loop:
     discarded: those whose solves were not kept.
     last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping.
+    weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
+    lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
+    stands in place of the problem's own.
     """
 
     def __init__(
@@ -129,19 +140,28 @@ class _Loop:
         self.notes: tuple[str, ...] = ()
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
+        self.lowered, self.most_lowered = 0, LOWERED
+        self.lower: Lower | None = None
 
     def run(self, start: Origin) -> Solution:
+        if start.guess is not None:
+            self.most_lowered = 0
         for number in count():
             found = self._solved(number, start)
             if found is None:
+                assert self.last is not None
+                self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
-            self.last = found
-            self.history.extend(found[0].meshes)
+            if self.settings.refine:
+                found = sharpened(found, self.settings, _accuracy(self.settings.refine), self._watch())
+            self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
                 break
-            if self.settings.refine and number + 1 >= self.scheduled:
-                self._refine(number, found, self.settings.refine)
+            while other := self._lowered(number, found):
+                found = other
+                self.history.pop()
+                self._take(number, found)
             start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
                 break
@@ -151,10 +171,36 @@ class _Loop:
                 break
         return self._told()
 
+    def _take(self, number: int, found: Found) -> None:
+        """Make a solution the one to give back, and see what comes after it."""
+        self.last, self.lower = found, None
+        self.history.extend(found[0].meshes)
+        if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
+            self._refine(number, found, self.settings.refine)
+
+    def _lowered(self, number: int, found: Found) -> Found | None:
+        """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
+        looked for on the first mesh that is refined, and where no mesh comes after."""
+        at_end = bool(self.stopped) or number + 1 == len(self.steps)
+        if not at_end and number + 1 != self.scheduled:
+            return None
+        self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
+        if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
+            return None
+        self.lowered += 1
+        other = from_lower(self.steps[number], self.settings, found, self.lower, self._watch())
+        if other:
+            before = f"other controls had a lower Hamiltonian along a solution of {found[0].objective:.6g}"
+            self.notes += (f"{before}; from them a better one was found",)
+            self.stopped, self.steps[number + 1 :] = "", ()
+        return other
+
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        solution, solved = self._calmed(number, run(*self.steps[number], self.settings, start, watch), watch)
+        found = run(*self.steps[number], self.settings, start, watch)
+        found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
+        solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
         solution = _out_of_time(solution, self.limit)
         if self.last is None:
@@ -224,6 +270,9 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
+        if more and (why := stalled(self.history[self.scheduled - 1 :], refine.tolerance)):
+            self.stopped = why
+            return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
             self.stopped = f"the next mesh cannot be solved: {too_large[0].what}"
             return
@@ -244,8 +293,9 @@ class _Loop:
         )
         damped = solved.damping.told(solution.trajectories, solved.worth)
         notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
-        if self.settings.refine and not self.unmet and (why := unminimised(solution)):
-            notes += (why,)
+        if self.lower and solution.objective_error.applies:
+            notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
+            solution = with_bar(solution, solution.objective_error.bar + OF_GAIN * self.lower.gain)
         solution = replace(solution, notes=notes)
         if solution.status.usable:
             continuous = not all(phase.exact for phase in solution.problem.phases)

@@ -1,31 +1,24 @@
 """Pontryagin's minimum: no other control that is allowed gives H a smaller value, at any collocation point.
 
-First and second derivatives see the neighbourhood only: an extremal along which H has a lower minimum elsewhere passes
-them. So at every point H is taken at many feasible controls (`candidates`), and the best few are improved. With E the
-integral of what H is above the least value found, J + E is no better than the Lagrangian's value with these controls: a
-result that claims J to an error bar claims that E is no more than it. Both are given relative to the duration and the
-largest term of H.
+With E the integral of what H is above the least value found (see `transcription.pontryagin.minimum`), J + E is no
+better than the Lagrangian's value with these controls: a result that claims J to an error bar claims that E is no more
+than it. Both are given relative to the duration and the largest term of H.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from ...transcription.solution.hamiltonian import Constrained, Values, minimise
+from ...transcription.pontryagin.minimum import least_hamiltonian
 from ...transcription.solution.lagrangian import PhaseLagrangian
 from ...transcription.solution.multipliers import Multipliers
 from ...transcription.solution.trajectory import Trajectory
 from ..file.reload import Reloaded
-from .candidates import box, candidates, feasible
 from .check import Check, at
 
 NAME = "Pontryagin's minimum of H over the controls, relative"
-AT_ONCE = 50_000  # values of H
-POLISHED = 2  # candidates at each point
-APART = 0.1  # of the box: two candidates to improve that are nearer than this would lead to the same minimum
 
 
 @np.errstate(all="ignore")
@@ -45,72 +38,13 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, C
 
 def _check(phase: PhaseLagrangian, claimed: float) -> Check:
     """The check of a phase whose minimised objective may be above the optimum by what is claimed."""
-    points = phase.at_points()
-    hamiltonian, constrained = phase.over_controls(points)
-    every, u = np.arange(len(points.t)), points.u[: phase.n]
-    here = hamiltonian(u[:, None], every)[0]
-    better, least = _least(hamiltonian, constrained, u, phase.control_bounds)
-    excess = np.maximum(here - least, 0.0)
-    scale = float(phase.sizes(points).max()) or 1.0
-    value = float(points.weights[0] @ excess) / (phase.duration * scale)
+    least = least_hamiltonian(phase)
+    excess = least.excess
+    scale = float(phase.sizes(least.points).max()) or 1.0
     k = int(np.argmax(np.nan_to_num(excess, nan=np.inf)))
     where = ""
     if excess[k] > 0:
-        names = ", ".join(f"{c.name} = {v:.4g}" for c, v in zip(phase.phase.controls, better[:, k], strict=True))
-        where = f"{at(phase.trajectory, points.t[k])}, by {excess[k] / scale:.1e} with {names}"
-    return Check(NAME, value, claimed / (phase.duration * scale), where)
-
-
-def _least(
-    hamiltonian: Values, constrained: Constrained | None, u: np.ndarray, bounds: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The best feasible controls that are found, shape (n, M), and H there (M,); infinite where none is found."""
-    within = box(u, bounds)
-    tried = candidates(u, within)
-    parts = np.array_split(np.arange(u.shape[1]), 1 + u.shape[1] * tried.shape[1] // AT_ONCE)
-    found = [_least_of(_Part(hamiltonian, constrained, k), u[:, k], tried, within) for k in parts]
-    return np.concatenate([v for v, _ in found], axis=1), np.concatenate([value for _, value in found])
-
-
-class _Part:
-    """H and its constraints at some of the samples, k (S,), which are numbered anew from 0."""
-
-    def __init__(self, hamiltonian: Values, constrained: Constrained | None, k: np.ndarray) -> None:
-        self.every = np.arange(len(k))
-        self.hamiltonian: Values = lambda v, s: hamiltonian(v, k[s])
-        self.constrained = None
-        if constrained is not None:
-            values = constrained.values
-            self.constrained = replace(
-                constrained, values=lambda v, s: values(v, k[s]), multipliers=constrained.multipliers[:, k]
-            )
-
-    def values(self, v: np.ndarray, within: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Controls (n, B, S) moved onto the constraints, and H there (B, S), infinite where they are not met."""
-        v = feasible(v, within, self.constrained, self.every)
-        H = self.hamiltonian(v, self.every)
-        return v, np.where(np.isfinite(H), H, np.inf)
-
-
-def _least_of(part: _Part, u: np.ndarray, tried: np.ndarray, within: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """As `_least`, of one part, from its controls u (n, S) and from those to try (n, B)."""
-    own = np.clip(u, *within[:, :, None])[:, None]
-    v = np.concatenate([own, np.broadcast_to(tried[:, :, None], (*tried.shape, u.shape[1]))], axis=1)
-    v, H = part.values(v, within)
-    starts = [own[:, 0], *_best(v, H, np.diff(within, axis=0)[0])]
-    polished = [minimise(part.hamiltonian, start, within, part.constrained).u for start in starts]
-    w, value = part.values(np.stack(polished, axis=1), within)
-    v, H = np.concatenate([v, w], axis=1), np.concatenate([H, value])
-    best = H.argmin(axis=0)
-    return v[:, best, part.every], H[best, part.every]
-
-
-def _best(v: np.ndarray, H: np.ndarray, width: np.ndarray) -> Iterator[np.ndarray]:
-    """The candidates v (n, B, S) with the least H, POLISHED at each sample and apart from each other: each (n, S)."""
-    every, H = np.arange(v.shape[2]), H.copy()
-    for _ in range(POLISHED):
-        chosen = v[:, H.argmin(axis=0), every]
-        chosen = np.where(np.isfinite(chosen), chosen, v[:, 0])
-        yield chosen
-        near = (np.abs(v - chosen[:, None]) < APART * width[:, None, None]).all(axis=0)
-        H[near] = np.inf
+        controls = zip(phase.phase.controls, least.controls[:, k], strict=True)
+        names = ", ".join(f"{c.name} = {v:.4g}" for c, v in controls)
+        where = f"{at(phase.trajectory, least.points.t[k])}, by {excess[k] / scale:.1e} with {names}"
+    return Check(NAME, least.total / (phase.duration * scale), claimed / (phase.duration * scale), where)

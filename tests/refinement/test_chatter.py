@@ -135,25 +135,3 @@ def test_a_mesh_whose_equations_follow_no_dynamics_is_not_believed():
     """On the third mesh negative glucose feeds the bacteria: an objective of 65, with errors of 1."""
     solution = solved("fed_batch_inducer", "refine.tolerance=1e-7", "refine.max_meshes=2")
     assert solution.objective == pytest.approx(0.8165, abs=1e-3)
-
-
-LOSES_MASS = """\
-trajopt: 1
-name: a car that loses mass by the square of its thrust
-time: {initial: 0, final: {lower: 0.1, upper: 100, guess: 8}}
-states:
-  x: {rate: v, initial: 0, final: 10}
-  v: {rate: (u - 0.2*v**2)/m, initial: 0, upper: 1.7}
-  m: {rate: -0.01*u**2, initial: 1}
-controls: {u: {lower: -1.1, upper: 1.1}}
-objective: {minimize: {terminal: "t[final]"}}
-"""
-
-
-def test_a_stationary_solution_that_a_faster_switching_control_would_beat_is_told():
-    """H is concave in u: mass that is lost makes the car faster, and +-u loses it without a push."""
-    spec = load_yaml(LOSES_MASS)
-    notes = solve(build_all(spec), schedule_of(spec), settings_of(spec)).notes
-    assert any("another control has a lower Hamiltonian" in note and "chattering" in note for note in notes)
-    for name in ("fuller", "catalyst_mixing", "goddard"):
-        assert not any("lower Hamiltonian" in note for note in solved(name).notes)

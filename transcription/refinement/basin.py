@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..solution.solution import Solution
-from ..solution.violation import of_phase
+from ..solution.solution import MeshRecord, Solution
+
+IN_VAIN, GROWN = 2, 1.5
+"""Meshes on which nothing gets better, and how many times as many segments they have."""
 
 UNTRUE = 10.0
 """Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
 
-STANDING, NOTICED, LEAST = 0.8, 0.25, 1e-4
-"""An error bar stands if it is more than that of the bar of the mesh before; what other controls gain is told if it is
-more than a part of the bar, and of 1 + |J|."""
+STANDING = 0.8
+"""An error bar or an error stands if it is more than that of the one before."""
 
 
 def left_basin(before: Solution, after: Solution) -> bool:
@@ -29,36 +32,25 @@ def left_basin(before: Solution, after: Solution) -> bool:
     return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
 
 
+def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:
+    """Why a mesh still finer would be of no use, or "": on the last two neither the error bar nor the error has fallen.
+
+    meshes: those of refinement so far.
+    tolerance: of the error; one below it need not fall.
+    """
+    if len(meshes) < IN_VAIN + 1:
+        return ""
+    first, last = meshes[-1 - IN_VAIN], meshes[-1]
+    if last.segments < GROWN * first.segments or not last.objective_error > STANDING * first.objective_error:
+        return ""
+    if last.relative_error > tolerance and not last.relative_error > STANDING * first.relative_error:
+        return ""
+    return f"{last.segments} segments are no better than {first.segments}: the error bar does not fall with the mesh"
+
+
 def unmeasurable(solution: Solution) -> str:
     """Why no refinement can help: residuals that do not determine the rates leave no error to measure; or ""."""
     implicit = [e for t, e in zip(solution.trajectories, solution.errors, strict=True) if t.phase.algebraic]
     if any(not np.isfinite(error.relative).any() for error in implicit):
         return "the residuals do not determine the rates (index above 1), so the error cannot be estimated"
     return ""
-
-
-def unminimised(solution: Solution) -> str:
-    """Where other controls have a lower Hamiltonian, however fine the mesh; "" if the error bar falls with the mesh.
-
-    Such a solution is stationary, but no minimum of Pontryagin's: where H is concave in a control, its optimum switches
-    between two values ever faster, and no mesh holds that.
-
-    solution: of the last mesh, with the history of all.
-    """
-    bars = [mesh.objective_error for mesh in solution.meshes]
-    if len(bars) < 2 or not solution.objective_error.applies or not bars[-1] > STANDING * bars[-2]:
-        return ""
-    worst, most = "", NOTICED * solution.objective_error.bar
-    for trajectory, lost in zip(solution.trajectories, solution.objective_error.terms["control"], strict=True):
-        amount, total = np.abs(lost), float(np.abs(lost).sum())
-        if total <= most or total < LEAST * (1 + abs(solution.objective)):
-            continue
-        bearing = np.flatnonzero(amount > amount.max() / 10)
-        start, end = trajectory.knots[bearing[0]], trajectory.knots[bearing[-1] + 1]
-        most = total
-        worst = (
-            f"the error bar does not fall with the mesh: within t = {start:.4g} to {end:.4g}"
-            f"{of_phase(trajectory.phase.name)} another control has a lower Hamiltonian; this solution is stationary, "
-            "but a control that switches ever faster (chattering) may be better"
-        )
-    return worst

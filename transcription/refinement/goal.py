@@ -40,13 +40,14 @@ class Goal:
     def errors(self) -> list[ErrorProfile]:
         """For each phase the error whose `relative` is N times the share of each segment, relative to 1 + |J|.
 
-        Without a bar it is the error of the segments as it is. Bounds that are exceeded count in the bar already.
+        Without a bar it is the error of the segments as it is. What is exceeded counts in the bar already,
+        and what a segment is worth is no other error.
         """
         if not self.error.applies:
             return list(self.solution.errors)
         count = sum(len(shares) for shares in self.error.shares)
         return [
-            replace(error, relative=np.abs(shares) * count / self.size, excess={})
+            replace(error, relative=np.abs(shares) * count / self.size, excess={}, worth=np.zeros(len(shares)))
             for error, shares in zip(self.solution.errors, self.error.shares, strict=True)
         ]
 

@@ -3,10 +3,12 @@
 
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
 part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
-tolerance, or whose excess over bounds and path constraints between its points, times its share of the phase, is more
-than TOLERATED_EXCESS, or that smears a jump of a control: the square of the jump, relative to the control's range,
-times its share of the phase is more than the tolerance (dynamics that are linear in the control show no eta there; the
-objective suffers in the second order of the width; a jump that H does not depend on is worth nothing and is passed by),
+tolerance, or whose worth does, what it adds to the error bar of J, relative to 1 + |J| (where a constraint begins to
+act the dynamics may be met exactly, and J be off by multiplier times excess), or whose excess over bounds and path
+constraints between its points, times its share of the phase, is more than TOLERATED_EXCESS, or that smears a jump of a
+control: the square of the jump, relative to the control's range, times its share of the phase is more than the
+tolerance (dynamics that are linear in the control show no eta there; the objective suffers in the second order of the
+width; a jump that H does not depend on is worth nothing and is passed by),
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
@@ -116,8 +118,9 @@ class _Segments:
 
     @cached_property
     def share(self) -> np.ndarray:
-        """The most of error and smearing over the tolerance, and excess over TOLERATED_EXCESS, shape (N,)."""
-        return np.fmax(self.inexact, self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS)
+        """The most of error, smearing and worth over the tolerance, and excess over TOLERATED_EXCESS, shape (N,)."""
+        exceeded = self.excess * self.trajectory.mesh.widths / TOLERATED_EXCESS
+        return np.fmax(np.fmax(self.inexact, self.error.worth / self.tolerance), exceeded)
 
     @cached_property
     def inexact(self) -> np.ndarray:
@@ -170,7 +173,7 @@ class _Segments:
         width, scheme = self.same(s)
         error = self.error.relative[s]
         ratio = error / (MARGIN * self.tolerance) if np.isfinite(error) else np.inf
-        if self.inexact[s] > MARGIN and (jump := self.switches.jump(s)):
+        if max(self.inexact[s], self.error.worth[s] / self.tolerance) > MARGIN and (jump := self.switches.jump(s)):
             cuts = np.clip([jump.tau - CLOSING_IN, jump.tau + CLOSING_IN], 0.0, 1.0)
             return [(width * part, scheme) for part in np.diff(distinct(np.array([0.0, *cuts, 1.0])))]
         if raised := self._raised(s, ratio):
@@ -231,6 +234,8 @@ class _Segments:
         if self.excess[s] * self.trajectory.mesh.widths[s] > TOLERATED_EXCESS:
             name = max(error.excess, key=lambda name: error.excess[name][s])
             text += f", {name} exceeded by {self.excess[s]:.1e}"
+        if error.worth[s] > self.tolerance:
+            text += f", adds {error.worth[s]:.1e} of 1 + |J| to the error bar"
         if jump := self.switches.jump(s):
             text += f", {jump.name} jumps at about t = {start + jump.tau * self.trajectory.h[s]:.6g}"
         return text

@@ -71,6 +71,7 @@ class Switches:
         """A jump on segment s."""
         return self.jumps.get(s)
 
+    @np.errstate(all="ignore")
     def worth(self, s: int) -> float:
         """What it is worth, in the objective, that a control is where it is on segment s, within its jump there.
 

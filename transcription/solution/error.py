@@ -19,7 +19,7 @@ import numpy as np
 
 from ...problems.quantities import Complementarity, Function, Range
 from ...problems.text import short_repr
-from .implicit import consistent_inputs
+from .implicit import consistent_inputs, where_defined
 from .trajectory import Sample, Trajectory
 
 ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
@@ -48,12 +48,14 @@ class ErrorProfile:
 
     relative: (N,) the largest eta of each segment relative to 1 + max |x|, or error of an integral if that is larger.
     excess: what has bounds -> (N,) how far it is beyond them on each segment, see `excesses`. overshoot: the largest.
+    worth: (N,) what each segment adds to the error bar of the objective, relative to 1 + |J|; zero where there is none.
     """
 
     epsilon: np.ndarray
     eta: np.ndarray
     relative: np.ndarray
     excess: Mapping[str, np.ndarray]
+    worth: np.ndarray
     overshoot: Overshoot | None = None
 
     @property
@@ -81,7 +83,7 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
     shown = [e for e in excesses(trajectory) if not e.algebraic]
     excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
-    return ErrorProfile(epsilon, eta, relative, excess, _overshoot(shown, sample.t))
+    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, sample.t))
 
 
 def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
@@ -99,6 +101,7 @@ def _epsilon(trajectory: Trajectory, sample: Sample) -> np.ndarray:
     """dx/dt - f(t, x, u, z): x and u are the interpolants, z solves the residuals for them."""
     phase, p = trajectory.phase, trajectory.parameters
     u = consistent_inputs(phase, sample.t, sample.x, sample.u, p)
+    u = where_defined(phase, lambda own: phase.dynamics(sample.t, sample.x, own, p), u)
     return sample.dx - phase.dynamics(sample.t, sample.x, u, p)
 
 
@@ -209,8 +212,11 @@ def _span(curve: np.ndarray) -> float:
 
 
 def _values(trajectory: Trajectory, function: Function, sample: Sample) -> np.ndarray:
-    values = trajectory.phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
-    return np.broadcast_to(function(values, np), sample.t.shape)
+    def at(u: np.ndarray) -> np.ndarray:
+        values = trajectory.phase.arguments(sample.t, sample.x, u, trajectory.parameters)
+        return np.broadcast_to(function(values, np), sample.t.shape)
+
+    return at(where_defined(trajectory.phase, at, sample.u))
 
 
 def _romberg(y: np.ndarray) -> np.ndarray:

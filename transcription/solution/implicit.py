@@ -7,7 +7,7 @@ interpolated just as the slope of the velocity is. There the residuals 0 = r(t, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -43,6 +43,24 @@ def consistent_inputs(phase: Phase, t: np.ndarray, x: np.ndarray, u: np.ndarray,
                 break
         u[n:, (np.abs(step) > np.sqrt(TOLERANCE) * (1 + np.abs(u[n:]))).any(axis=0)] = np.nan
     return u.reshape(-1, *shape)
+
+
+def where_defined(phase: Phase, function: Callable[[np.ndarray], np.ndarray], u: np.ndarray) -> np.ndarray:
+    """The inputs, shape (n_u, ...), with controls within their bounds where a function has no finite value beyond them.
+
+    phase: whose controls they are. Between the points they overshoot, and a root or a logarithm may end at a bound.
+    function: of inputs (n_u, ...), with values of any shape (..., *those of the inputs).
+    u: left as it is.
+    """
+    values = function(u)
+    finite = np.isfinite(values).reshape(-1, *u.shape[1:]).all(axis=0)
+    if finite.all():
+        return u
+    bounds = np.array([[own.bounds.lower, own.bounds.upper] for own in phase.controls]).reshape(-1, 2).T
+    n, shape = len(phase.controls), (-1, *(1,) * (u.ndim - 1))
+    v = u.copy()
+    v[:n] = np.where(finite, u[:n], np.clip(u[:n], bounds[0].reshape(shape), bounds[1].reshape(shape)))
+    return v
 
 
 class Nearby:

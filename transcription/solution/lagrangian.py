@@ -17,7 +17,7 @@ from ..schemes.mesh import Mesh
 from ..schemes.segment import Group
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
-from .implicit import Nearby, consistent_inputs
+from .implicit import Nearby, consistent_inputs, where_defined
 from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
 
@@ -47,6 +47,10 @@ def no_terms(mesh: Mesh) -> Terms:
     return Terms({kind: np.zeros(mesh.segments) for kind in TERMS}, np.zeros(mesh.segments))
 
 
+COLUMNS = ("t", "s", "x", "dx", "costate", "u")
+"""What `Samples` have a column of for each sample."""
+
+
 @dataclass(frozen=True)
 class Samples:
     """A group of segments at S Gauss points each, all in one row: t (M,), x, dx and costate (n_x, M), inputs u (n_u, M)
@@ -63,6 +67,12 @@ class Samples:
     def integral(self, values: np.ndarray) -> np.ndarray:
         """Of values (M,) over each segment."""
         return (self.weights * values.reshape(self.weights.shape)).sum(axis=1)
+
+    def some(self, k: np.ndarray) -> Samples:
+        """Some of the samples of one segment, which stand for all."""
+        arrays = {name: getattr(self, name)[..., k] for name in COLUMNS}
+        weights = self.weights[:, k]
+        return Samples(**arrays, weights=weights * self.weights.sum() / weights.sum())
 
 
 class PhaseLagrangian:
@@ -151,7 +161,8 @@ class PhaseLagrangian:
         t = sample.t.ravel()
         x, dx, u, costate = (a.reshape(len(a), t.size) for a in (sample.x, sample.dx, sample.u, costate))
         h = tr.h[group.segments][:, None] * (width * weights / 2).ravel()
-        return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, self._inputs(t, x, u), h)
+        u = where_defined(self.phase, lambda own: self._hamiltonian(t, x, own, costate), self._inputs(t, x, u))
+        return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, u, h)
 
     def _own_integrals(self, group: Group) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
@@ -278,6 +289,5 @@ class PhaseLagrangian:
 
 def _joined(parts: list[Samples]) -> Samples:
     """All samples in one row."""
-    names = ("t", "s", "x", "dx", "costate", "u")
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names}
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in COLUMNS}
     return Samples(**arrays, weights=np.concatenate([part.weights.ravel() for part in parts])[None])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ...problems.problem import Problem
@@ -129,6 +129,17 @@ class Solution:
     @property
     def max_eta(self) -> float:
         return max(error.max_eta for error in self.errors)
+
+
+def with_bar(solution: Solution, bar: float) -> Solution:
+    """A solution whose objective has another error bar, as far as it tells of it.
+
+    solution: one with an error bar.
+    bar: the other.
+    """
+    last = replace(solution.meshes[-1], objective_error=bar)
+    error = replace(solution.objective_error, bar=bar)
+    return replace(solution, objective_error=error, meshes=(*solution.meshes[:-1], last))
 
 
 def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:

@@ -50,11 +50,15 @@ class OtherStart(NamedTuple):
 
 @dataclass(frozen=True)
 class _Change:
-    """level: of the controls, -1 to 1 within their bounds, or their value if they have none; None leaves the guess."""
+    """level: of the controls, -1 to 1 within their bounds, or their value if they have none; None leaves the guess.
+
+    last: the level at the end, where it is another.
+    """
 
     words: str
     level: float | None
     longer: bool
+    last: float | None = None
 
 
 CHANGES = (
@@ -62,6 +66,8 @@ CHANGES = (
     _Change("controls above the middle of their bounds, states simulated", 0.5, False),
     _Change("controls below the middle of their bounds, states simulated", -0.5, False),
     _Change("controls at the middle of their bounds, states simulated", 0.0, False),
+    _Change("controls that fall from above the middle of their bounds, states simulated", 0.5, False, -0.5),
+    _Change("controls that rise from below the middle of their bounds, states simulated", -0.5, False, 0.5),
     _Change("controls above the middle of their bounds, states simulated, a longer final time", 0.5, True),
 )
 
@@ -73,7 +79,8 @@ def other_starts(problem: Problem, doubtful: bool) -> Iterator[OtherStart]:
     """
     free = any(not phase.final_time.fixed for phase in problem.phases)
     for change in CHANGES:
-        if (change.longer and not free) or (doubtful and (change.level is None or change.longer)):
+        other_controls = change.level is not None and change.last is None
+        if (change.longer and not free) or (doubtful and (not other_controls or change.longer)):
             continue
         yield OtherStart(change.words, [_changed(phase, change) for phase in problem.phases])
 
@@ -85,7 +92,11 @@ def _changed(phase: Phase, change: _Change) -> Guess:
         guess = replace(guess, final_time=phase.final_time.clip(final))
     if change.level is None or not phase.controls:
         return guess
-    levels = {control.name: np.full(POINTS, at_level(control, change.level)) for control in phase.controls}
+    last = change.level if change.last is None else change.last
+    levels = {
+        control.name: np.linspace(at_level(control, change.level), at_level(control, last), POINTS)
+        for control in phase.controls
+    }
     return under_controls(phase, guess, levels)
 
 

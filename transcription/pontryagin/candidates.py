@@ -1,7 +1,8 @@
 """Controls that a minimum of the Hamiltonian over all of them is looked for among: samples of what is feasible.
 
-A Latin hypercube between the bounds, or around what the trajectory does where there are none, with its corners if they
-are few (where H is linear in the controls the minimum is at one), and the controls of other times. Path constraints are
+An even sequence of points (Kronecker's, by the powers of a generalised golden ratio; NumPy's random numbers take longer
+to import) between the bounds, or around what the trajectory does where there are none, with the corners if they are
+few (where H is linear in the controls the minimum is at one), and the controls of other times. Path constraints are
 met by Newton steps from there, the shortest ones: so an equation is sampled on its manifold.
 """
 
@@ -9,14 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...transcription.solution.hamiltonian import Constrained
+from ..solution.hamiltonian import Constrained
 
-SAMPLES = 64  # of the hypercube, for each control
+SAMPLES = 64  # of the sequence, for each control
 MOST_SAMPLES = 256
 CORNERS = 4  # controls at most, for their corners
 OTHER_TIMES = 16
 BEYOND = 3.0  # so that values of the other sign are among them
-SEED = 0
 STEPS = 30  # of Newton's method
 MET = 1e-10  # of 1 + |bound|, by what a constraint may be missed
 DIFFERENCE = 1e-7  # of a derivative, in widths of the box; steps go on until the constraint is met, so it may be rough
@@ -35,16 +35,18 @@ def box(u: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(bounds), bounds, around)
 
 
-def candidates(u: np.ndarray, within: np.ndarray) -> np.ndarray:
+def candidates(u: np.ndarray, within: np.ndarray, samples: int = SAMPLES) -> np.ndarray:
     """Controls to try at every time, shape (n, B), before they meet the path constraints.
 
     u: the controls along the trajectory, shape (n, M).
     within: as of `box`.
+    samples: of the sequence, for each control.
     """
-    n, random = len(u), np.random.default_rng(SEED)
-    count = min(SAMPLES * n, MOST_SAMPLES)
-    strata = np.stack([random.permutation(count) for _ in range(n)])
-    unit = [(strata + random.random((n, count))) / count, np.full((n, 1), 0.5)]
+    n = len(u)
+    count = min(samples * n, MOST_SAMPLES)
+    ratio = np.max(np.roots([1.0, *[0.0] * (n - 1), -1.0, -1.0]).real)  # of x^(n + 1) = x + 1
+    multiples = np.arange(1, count + 1) * ratio ** -np.arange(1.0, n + 1)[:, None]
+    unit = [(0.5 + multiples) % 1.0, np.full((n, 1), 0.5)]
     if n <= CORNERS:
         unit.append(np.stack(np.meshgrid(*[[0.0, 1.0]] * n)).reshape(n, -1))
     lower, width = within[0][:, None], np.diff(within, axis=0).T
@@ -53,18 +55,21 @@ def candidates(u: np.ndarray, within: np.ndarray) -> np.ndarray:
     return np.concatenate([lower + width * np.concatenate(unit, axis=1), others], axis=1)
 
 
-def feasible(v: np.ndarray, within: np.ndarray, constrained: Constrained | None, k: np.ndarray) -> np.ndarray:
+def feasible(
+    v: np.ndarray, within: np.ndarray, constrained: Constrained | None, k: np.ndarray, steps: int = STEPS
+) -> np.ndarray:
     """Controls v, shape (n, B, S), moved onto the constraints; NaN where that does not succeed.
 
     v: controls within the box.
     within: the box, shape (2, n).
     constrained: the constraints, or None.
     k: the numbers of the samples, shape (S,).
+    steps: of Newton's method, at most.
     """
     if constrained is None:
         return v
     v, (lower, upper) = v.copy(), within[:, :, None, None]
-    for _ in range(STEPS):
+    for _ in range(steps):
         missed = _missed(v, constrained, k)
         if not (np.abs(missed) > 0).any():
             break

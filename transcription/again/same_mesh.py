@@ -1,0 +1,72 @@
+"""Solving a mesh once more, from what its solution shows: whole turns, what the barrier leaves, a lower Hamiltonian."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..first_mesh import better
+from ..one_mesh import Found, Origin, Planned, Watch, added, solve_mesh, tightened
+from ..pontryagin.needles import Lower
+from ..refinement.angles import unwound
+from ..refinement.basin import left_basin
+from ..refinement.chatter import Damping
+from ..settings import Settings
+
+OF_BARRIER, SHARPER = 0.2, 0.01
+"""Of the error bar: with more of the barrier in it the mesh is not to blame, and what is to be left of that."""
+
+
+def with_short_turns(step: Planned, settings: Settings, found: Found, damping: Damping, watch: Watch) -> Found:
+    """The solution whose angles, among the controls, go the short way; as it is where they do, or where the solve from
+    there leads to a worse one.
+
+    step, settings: of the solve.
+    found: what it led to.
+    damping: of its controls.
+    watch: who looks on.
+    """
+    solution = found[0]
+    curves, names = unwound(solution.trajectories) if solution.status.usable else ([], [])
+    if not names:
+        return found
+    again = solve_mesh(*step, settings, Origin(curves, None, damping), watch)
+    if not again[0].status.usable or left_basin(solution, again[0]):
+        return found
+    told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
+    return _in_place(found, again, told)
+
+
+def sharpened(found: Found, settings: Settings, accuracy: float, watch: Watch) -> Found:
+    """The solution without what the barrier leaves, where that is most of an error bar that is too large: no finer mesh
+    mends that, it has more bounds.
+
+    found: a solution.
+    settings: of its solve.
+    accuracy: of the objective, that is asked for, relative to 1 + |J|.
+    watch: who looks on.
+    """
+    solution, bar = found[0], found[0].objective_error
+    asked = accuracy * (1 + abs(solution.objective))
+    if not bar.applies or bar.bar <= asked or bar.gap <= OF_BARRIER * bar.bar:
+        return found
+    return tightened(found, settings, SHARPER * bar.bar, watch)
+
+
+def from_lower(step: Planned, settings: Settings, found: Found, lower: Lower, watch: Watch) -> Found | None:
+    """The solution from controls with a lower Hamiltonian; None if it is no better.
+
+    step, settings: of the solve.
+    found: the solution with the other controls.
+    lower: those that it is to start from.
+    watch: who looks on.
+    """
+    again = solve_mesh(*step, settings, Origin(lower.guesses, None), watch)
+    if not better(again[0], found[0], found[0].problem.sense):
+        return None
+    return _in_place(found, again)
+
+
+def _in_place(first: Found, second: Found, *notes: str) -> Found:
+    """The second solution of a mesh, with the work and the notes of both."""
+    records = (*first[0].meshes[:-1], added(first[0].meshes[-1], second[0].meshes[-1]))
+    return replace(second[0], meshes=records, notes=(*first[0].notes, *notes)), second[1]
