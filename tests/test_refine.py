@@ -16,12 +16,13 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.quantities import TOLERATED_EXCESS
 from trajopt.results.file.reload import reload
+from trajopt.transcription.again.next_mesh import LOOSE, LOOSENESS
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.refinement.refine import MARGIN, MERGE_MARGIN, refine
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Refine, Settings, Step, settings_of, steps
-from trajopt.transcription.solve import LOOSE, LOOSENESS, solve
+from trajopt.transcription.solve import solve
 
 PENDULUM = """
 trajopt: 1

@@ -10,6 +10,7 @@ from itertools import count
 
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
+from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
 from .again.same_mesh import from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
@@ -19,7 +20,7 @@ from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
-from .refinement.refine import MERGING_MESHES, refine
+from .refinement.refine import MERGING_MESHES
 from .settings import DEFAULT, Refine, Settings, Step, meshes_of
 from .solution.sensitivity import sensitivities
 from .solution.solution import MeshRecord, Solution, with_bar
@@ -29,10 +30,6 @@ from .structure.courses import courses
 from .structure.estimates import estimates
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
-
-LOOSE, LOOSENESS = 1e-5, 0.01
-"""Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error
-on the mesh before, if that is less; with more the engine takes the interpolated start, which is smooth, for good."""
 
 ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
 """Statuses of a solve that was told to end, and how a mesh is called that ended so."""
@@ -45,12 +42,8 @@ UNMINIMISED = (
     "that switches ever faster (chattering), which no mesh holds"
 )
 
-ENGINE_SHARE, FINEST = 0.01, 1e-11
-"""Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
-
-GAP_SHARE, DAMPING_SHARE = 1e-3, 0.1
-"""Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave, and what the damping of
-controls that chatter may be worth."""
+DAMPING_SHARE = 0.1
+"""Of the accuracy that is asked for, relative to 1 + |J|: what the damping of controls that chatter may be worth."""
 
 LOWERED, NOTICED = 3, 0.25
 """Times to start again with controls that have a lower Hamiltonian; and of the error bar, if it does not fall with the
@@ -153,7 +146,7 @@ class _Loop:
                 self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
             if self.settings.refine:
-                found = sharpened(found, self.settings, _accuracy(self.settings.refine), self._watch())
+                found = sharpened(found, self.settings, accuracy(self.settings.refine), self._watch())
             self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
@@ -234,7 +227,7 @@ class _Loop:
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""
         solution, solved = found
-        dear = solved.worth > DAMPING_SHARE * _accuracy(self.settings.refine) * (1 + abs(solution.objective))
+        dear = solved.worth > DAMPING_SHARE * accuracy(self.settings.refine) * (1 + abs(solution.objective))
         return solved.damping.weaker() if dear and not self.unmet and not self.weakest else solved.damping
 
     def _again(self, number: int, left: Found, start: Origin, watch: Watch) -> Found | None:
@@ -263,9 +256,9 @@ class _Loop:
             return
         merge = number + 1 - self.scheduled <= MERGING_MESHES
         left = self.scheduled + refine.max_meshes - len(self.steps)
-        exact = min(self.steps[self.scheduled - 1][2], _asked(refine))  # what is looser shows in the error
+        exact = min(self.steps[self.scheduled - 1][2], asked_of_engine(refine))  # what is looser shows in the error
         goal = Goal(refine.objective, solution) if refine.objective else None
-        self.unmet, more = _refined(self.steps[number], solution, refine, exact, merge, left, goal)
+        self.unmet, more = next_solve(self.steps[number], solution, refine, exact, merge, left, goal)
         if not self.unmet and not more and left > 0 and self._damping(found) != found[1].damping:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
@@ -280,7 +273,7 @@ class _Loop:
 
     def _told(self) -> Solution:
         assert self.last is not None
-        gap = _gap(self.settings.refine, self.last[0].objective)
+        gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         solution = replace(
             solution,
@@ -322,47 +315,3 @@ def _why_stopped(mesh: MeshRecord) -> str:
     """Why a mesh that was not solved has no solution."""
     what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
     return f"the next mesh, of {mesh.segments} segments, {what}"
-
-
-def _asked(refine: Refine) -> float:
-    """The engine's tolerance on the last mesh, as far as refinement has a say: what it leaves is part of the bar."""
-    return refine.tolerance if refine.objective is None else max(ENGINE_SHARE * refine.objective, FINEST)
-
-
-def _gap(refine: Refine | None, objective: float) -> float:
-    """What the barrier may leave of the objective: a part of the accuracy that is asked for, or that is the default."""
-    return GAP_SHARE * _accuracy(refine) * (1 + abs(objective))
-
-
-def _accuracy(refine: Refine | None) -> float:
-    """The accuracy that is asked for, or that is the default."""
-    asked = refine or Refine()
-    return asked.objective or asked.tolerance
-
-
-def _refined(
-    step: Planned,
-    solution: Solution,
-    settings: Refine,
-    tolerance: float,
-    merge: bool,
-    left: int,
-    goal: Goal | None,
-) -> tuple[tuple[str, ...], list[Planned]]:
-    """The segments that are not good enough, in words, and the solve to come after, if any.
-
-    tolerance: of the engine, on the last mesh. merge: as of `refine`. left: the number of meshes that may still come.
-    goal: for the error bar of the objective, in place of the error of the segments.
-    """
-    problem, meshes, solved_to = step
-    how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
-    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
-    unmet = tuple(segment for refinement in found for segment in refinement.unmet)
-    if goal and goal.reached:
-        unmet = ()
-    if unmet and left > 0:
-        last = left == 1 or all(refinement.enough for refinement in found)
-        finer = [refinement.mesh for refinement in found]
-        loose = min(LOOSE, LOOSENESS * solution.meshes[-1].relative_error)
-        return unmet, [(problem, finer, tolerance if last else max(tolerance, loose))]
-    return unmet, [(problem, meshes, tolerance)] if solved_to > tolerance else []

@@ -1,1 +1,1 @@
-"""A solution of a mesh in; another of the same mesh out, from what the first shows."""
+"""A solution of a mesh in; another of the same mesh out, from what the first shows, or the mesh that comes next."""
