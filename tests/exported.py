@@ -35,7 +35,7 @@ OPERATORS = {
 
 
 def read_nl(path: Path, values: dict[str, float]) -> Program:
-    variables, rows = (path.with_suffix(suffix).read_text().split() for suffix in (".col", ".row"))
+    variables, rows = (path.with_suffix(suffix).read_text().splitlines() for suffix in (".col", ".row"))
     z = [values[name] for name in variables]
     lines = (line.split() for line in path.read_text().splitlines())
     header = list(islice(lines, 10))

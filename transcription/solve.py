@@ -11,11 +11,11 @@ from itertools import count
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
-from .again.same_mesh import from_lower, sharpened, with_short_turns
+from .again.same_mesh import from_lower, in_place, sharpened, with_short_turns
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Limit, Origin, Planned, Watch, added, solve_mesh, tightened
+from .one_mesh import Found, Limit, Origin, Planned, Watch, solve_mesh, tightened
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
@@ -152,8 +152,8 @@ class _Loop:
                 self.unmet = ()  # they are of the mesh before
                 break
             while other := self._lowered(number, found):
+                del self.history[-len(found[0].meshes) :]
                 found = other
-                self.history.pop()
                 self._take(number, found)
             start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
@@ -175,7 +175,7 @@ class _Loop:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
         looked for on the first mesh that is refined, and where no mesh comes after."""
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
-        if not at_end and number + 1 != self.scheduled:
+        if not at_end and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
             return None
         self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
         if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
@@ -221,8 +221,7 @@ class _Loop:
         if not calm[0].status.usable or left_basin(solution, calm[0]):
             self.rough = True
             return found
-        records = (*solution.meshes[:-1], added(solution.meshes[-1], calm[0].meshes[-1]))
-        return replace(calm[0], meshes=records, notes=solution.notes), calm[1]
+        return in_place(found, calm)
 
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""
@@ -288,7 +287,7 @@ class _Loop:
         notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
         if self.lower and solution.objective_error.applies:
             notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
-            solution = with_bar(solution, solution.objective_error.bar + OF_GAIN * self.lower.gain)
+            solution = self._widened(solution, self.lower.gain)
         solution = replace(solution, notes=notes)
         if solution.status.usable:
             continuous = not all(phase.exact for phase in solution.problem.phases)
@@ -298,6 +297,13 @@ class _Loop:
             solution = replace(solution, prices=own, program=kind, arcs=arcs)
         found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
         return replace(solution, estimates=found)
+
+    def _widened(self, solution: Solution, gain: float) -> Solution:
+        """The solution with what other controls may gain in its error bar, which then may miss the goal."""
+        wider = with_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
+        asked = self.settings.refine and self.settings.refine.objective
+        missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
+        return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

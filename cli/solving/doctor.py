@@ -76,7 +76,8 @@ def _judged(done: subprocess.CompletedProcess[str]) -> dict[str, Any]:
         told = done.stderr.strip().splitlines()
         return {"trouble": told[-1] if told else f"it ended with exit code {done.returncode}", "remedy": AGAIN}
     right = done.returncode == 0 and result["reference"]["agrees"]
-    trouble = "" if right else f"the objective is {result['objective']}, not {result['reference']['objective']}"
+    wrong = f"the objective is {result['objective']}, not {result['reference']['objective']}"
+    trouble = "" if right else wrong if result["solved"] else result["message"]
     seconds = result["seconds"]["total"]
     remedy = "" if right else AGAIN
     return {"solves": right, "objective": result["objective"], "seconds": seconds, "trouble": trouble, "remedy": remedy}

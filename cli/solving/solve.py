@@ -100,7 +100,7 @@ def solve(
         for job in jobs:
             solution = _solved(job, stop, quiet, verbose)
             path = _kept(job, solution)
-            if polish:
+            if polish and solution.solved:
                 better, solution = _polished(job, solution, stop, quiet, verbose)
                 path = _kept(better, solution)
             if json_ or not (quiet and solution.solved):

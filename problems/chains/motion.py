@@ -95,18 +95,16 @@ class Chain:
 
     def coupled(self, a: Body, b: Body) -> bool:
         """Whether M_ab is not zero: one link is on the way to the other."""
-        return a.number in b.centre or b.number in a.centre or any(b.number in k.centre for k, _ in self.reach(a))
+        return any(b.number in k.centre for k, _ in self.reach(a))
 
     def moments(self, a: Body) -> str:
         """f_a, N m."""
         terms = []
         for b in self.bodies:
-            if not self.coupled(a, b):
+            if not b.rates or not self.coupled(a, b):
                 continue
             lag = a.phi.minus(b.phi)
             spin, turn = grouped(f"{rate}[rate]" for rate in b.rates), grouped(b.rates)
-            if not b.rates:
-                continue
             parts = [times(lag.cos, spin), times(lag.sin, f"{turn}**2")]
             terms.append(times(self.mass(a, b), grouped(parts)))
         return summed([*terms, *(times(self.b(a), own) for own in self.held(a.phi))])

@@ -145,8 +145,9 @@ def _at_rest(spec: Spec, name: str) -> list[dict[str, Any]]:
             slopes |= {own: velocity, velocity: state.accel.text if state.accel else ""}
         else:
             slopes[own] = state.rate.text if state.rate else ""
-    found = []
-    while (name := slopes.get(name, "").strip()) in slopes:
+    found, seen = [], {name}
+    while (name := slopes.get(name, "").strip()) in slopes and name not in seen:
+        seen.add(name)
         found.append({"name": f"{name} on the bound", "expression": f"{name}[initial]", "equals": 0})
     return found
 

@@ -94,9 +94,12 @@ class Locations:
                     return given[part]
         return 1
 
-    def _line(self, path: Path) -> float:
+    def _line(self, path: Path) -> tuple[float, int]:
+        """The line of a path; that of an override is beyond all, in the order in which they were given."""
         origin = self._origin(path)
-        return origin if isinstance(origin, int) else float("inf")
+        if isinstance(origin, int):
+            return origin, 0
+        return float("inf"), list(self.overrides.values()).index(origin)
 
     def _where(self, path: Path, what: str) -> str:
         origin = self._origin(path)

@@ -24,6 +24,7 @@ from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
 from ...transcription.continuation import solve_spec
 from ...transcription.loading import build_checked, load_yaml
+from ...transcription.refinement.goal import Goal
 from ...transcription.solution.solution import Solution
 from ..file.guess import adapted
 from ..file.write import image_of, write_image
@@ -62,7 +63,8 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
     solution: of it.
     progress, stop: as of `solve`.
 
-    What cannot be polished, or is no better, comes back as it is, with a note that says why.
+    What cannot be polished, or is no better, comes back as it is, with a note that says why; what is not solved,
+    without.
     """
     began, first = perf_counter(), Polished(solution, spec)
     if not solution.solved:
@@ -77,11 +79,13 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
     before = f"{solution.objective:.10g} +- {bar:.1g} on {segments} segments"
     asked = max(spec.refine.tolerance if spec.refine else 0.0, solution.meshes[-1].relative_error)
     missed = new.meshes[-1].relative_error > asked
+    goal = spec.refine.objective if spec.refine else None
+    stopped = new.stopped if missed else Goal(goal, new).missed if goal else ""
     new = replace(
         new,
         notes=(*new.notes, f"polished in {len(new.trajectories)} phases; before, {before}"),
         unmet=new.unmet if missed else (),
-        stopped=new.stopped if missed else "",
+        stopped=stopped,
         discarded=(*solution.meshes, *solution.discarded, *new.discarded),
         elsewhere=new.elsewhere + solution.elsewhere + spent,
     )
@@ -90,10 +94,9 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
 
 def _polished(first: Polished, progress: Progress, stop: Stop) -> Polished | str:
     """The solution in phases, or why there is none that is better."""
-    parts = parts_of(first.solution.arcs[0], first.solution.trajectories[0])
     if not first.solution.objective_error.applies:
         return f"its objective has no error bar to compare with ({first.solution.objective_error.why_not})"
-    return _in_phases(first, parts, progress, stop)
+    return _in_phases(first, parts_of(first.solution.arcs[0], first.solution.trajectories[0]), progress, stop)
 
 
 def _in_phases(first: Polished, parts: Sequence[Part], progress: Progress, stop: Stop) -> Polished | str:

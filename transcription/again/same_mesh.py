@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..first_mesh import better
 from ..one_mesh import Found, Origin, Planned, Watch, added, solve_mesh, tightened
 from ..pontryagin.needles import Lower
-from ..refinement.angles import unwound
+from ..refinement.angles import short_turns
 from ..refinement.basin import left_basin
 from ..refinement.chatter import Damping
 from ..settings import Settings
@@ -26,14 +26,14 @@ def with_short_turns(step: Planned, settings: Settings, found: Found, damping: D
     watch: who looks on.
     """
     solution = found[0]
-    curves, names = unwound(solution.trajectories) if solution.status.usable else ([], [])
+    curves, names = short_turns(solution.trajectories) if solution.status.usable else ([], [])
     if not names:
         return found
     again = solve_mesh(*step, settings, Origin(curves, None, damping), watch)
     if not again[0].status.usable or left_basin(solution, again[0]):
         return found
     told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
-    return _in_place(found, again, told)
+    return in_place(found, again, told)
 
 
 def sharpened(found: Found, settings: Settings, accuracy: float, watch: Watch) -> Found:
@@ -63,10 +63,14 @@ def from_lower(step: Planned, settings: Settings, found: Found, lower: Lower, wa
     again = solve_mesh(*step, settings, Origin(lower.guesses, None), watch)
     if not better(again[0], found[0], found[0].problem.sense):
         return None
-    return _in_place(found, again)
+    return in_place(found, again)
 
 
-def _in_place(first: Found, second: Found, *notes: str) -> Found:
-    """The second solution of a mesh, with the work and the notes of both."""
+def in_place(first: Found, second: Found, *notes: str) -> Found:
+    """The second solution of a mesh, with the work of both and the notes of the first.
+
+    first, second: one after the other.
+    notes: what else there is to tell.
+    """
     records = (*first[0].meshes[:-1], added(first[0].meshes[-1], second[0].meshes[-1]))
     return replace(second[0], meshes=records, notes=(*first[0].notes, *notes)), second[1]

@@ -22,7 +22,7 @@ EFFECT = 1e-3  # of the largest change by the angle along the trajectory: with l
 DIRECTIONS = 8  # of a turn, in which the effect is looked for
 
 
-def unwound(trajectories: Sequence[Trajectory]) -> tuple[list[Curves], list[str]]:
+def short_turns(trajectories: Sequence[Trajectory]) -> tuple[list[Curves], list[str]]:
     """Trajectories to start from whose angles go the short way, and the names of those that did not.
 
     trajectories: one for each phase.

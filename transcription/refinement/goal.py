@@ -52,11 +52,16 @@ class Goal:
         ]
 
     @property
-    def unreachable(self) -> str:
-        """Why no finer mesh would help, or "" if the goal is reached."""
+    def missed(self) -> str:
+        """What is missing of the goal, or "" if it is reached."""
         if self.reached:
             return ""
         if not self.error.applies:
             return f"there is no error bar: {self.error.why_not}"
-        bar = f"the error bar {self.error.bar:.1e} is above the {self.tolerance * self.size:.1e} asked for"
-        return f"{bar}, and no finer mesh mends that: lower the tolerance of the engine (--tol)"
+        return f"the error bar {self.error.bar:.1e} is above the {self.tolerance * self.size:.1e} asked for"
+
+    @property
+    def unreachable(self) -> str:
+        """Why no finer mesh would help, or "" if the goal is reached."""
+        more = ", and no finer mesh mends that: lower the tolerance of the engine (--tol)"
+        return self.missed + more if self.missed and self.error.applies else self.missed

@@ -18,6 +18,7 @@ PERIODS = (np.pi, 2 * np.pi, 4 * np.pi)
 """Of sin(2 theta), sin(theta) and sin(theta/2)."""
 
 SAME = 1e-9  # relative; what is left is the rounding of sin(theta + 2 pi)
+SEEN = 1e-3  # of what a third of a period changes, at most, by whole ones
 
 
 def unwound(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) -> np.ndarray:
@@ -38,9 +39,25 @@ def unwound(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray) 
     for row, period in product(jumping, PERIODS):
         other = _continuous(z, row, period)
         within = np.all((other >= lower)[row] & (other <= upper)[row])
-        if within and np.all(np.abs(_values(nlp, other) - meant) <= SAME * (1 + np.abs(meant))):
+        if within and _is_period(_values(nlp, other) - meant, _between(nlp, z, row, period) - meant, meant):
             z = other
     return z
+
+
+def _is_period(moved: np.ndarray, between: np.ndarray, meant: np.ndarray) -> bool:
+    """Whether nothing changes by whole periods, and something does between them: what is small in itself is no angle.
+
+    moved, between: changes of the values `meant`, by whole periods and by a part of one, all (1 + m,).
+    """
+    same = bool(np.all(np.abs(moved) <= SAME * (1 + np.abs(meant))))
+    return same and bool(np.abs(moved).max() <= SEEN * np.abs(between).max())  # NaN between: nothing is known
+
+
+def _between(nlp: NonlinearProgram, z: np.ndarray, row: np.ndarray, period: float) -> np.ndarray:
+    """The values with the unknowns of a row moved by a part of a period."""
+    aside = z.copy()
+    aside[row] += period / 3
+    return _values(nlp, aside)
 
 
 def _continuous(z: np.ndarray, row: np.ndarray, period: float) -> np.ndarray:
