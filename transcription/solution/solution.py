@@ -155,5 +155,6 @@ def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
     if stopped:
         return stopped
     if relative_error is not None and relative_error > LARGEST_ERROR:
-        return f"the mesh is too coarse: the relative error is {relative_error:.1e}; give it more segments, or --refine 1e-6"
+        what = f"the mesh is too coarse: the relative error is {relative_error:.1e}"
+        return f"{what}; give it more segments, or --refine 1e-6"
     return ""
