@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from pyomo.core import ConcreteModel, Constraint, Objective, Var, exp, log
+from scipy.sparse import csc_matrix
 
 from trajopt.problems.errors import SpecError
-from trajopt.transcription.engines import newton
+from trajopt.transcription.engines import linear, newton
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.program.templates import templated
@@ -101,3 +102,14 @@ def test_inequalities_bounds_and_unknown_options_are_refused():
         run(program(lambda a, b: a**2), (0, 0), lower=(-1, -np.inf))
     with pytest.raises(SpecError, match="no such option"):
         run(program(lambda a, b: a**2), (0, 0), mu_strategy="adaptive")
+
+
+@pytest.mark.parametrize("matrix, expected", [
+    ([[2.0, 1.0], [1.0, 3.0]], [0.4, 0.2]),
+    ([[1.0, 2.0], [2.0, 4.0]], None),  # by its numbers
+    ([[1.0, 1.0, 1.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], None),  # whatever its numbers are: two rows, one column
+    ([[1.0, 0.0], [0.0, 0.0]], None),  # an empty row
+])  # fmt: skip
+def test_a_singular_system_has_no_solution(matrix, expected):
+    found = linear.solved(csc_matrix(matrix), np.ones(len(matrix)))
+    assert found is None if expected is None else found == pytest.approx(expected, rel=1e-12)

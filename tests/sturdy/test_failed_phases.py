@@ -81,6 +81,25 @@ def test_all_that_is_involved_is_in_json(results):
         assert " more" not in json.dumps(told)
 
 
+def test_equations_that_say_the_same_are_all_named():
+    """Seven constraints on one number, by an engine that needs them to be independent."""
+    same = ", ".join(f"{{name: c{i}, expression: 'x[final]*{i}', equals: {i}}}" for i in range(1, 8))
+    text = f"""
+trajopt: 1
+name: the same seven times
+time: {{initial: 0, final: 1}}
+states: {{x: {{rate: u + v, initial: 0}}}}
+controls: {{u: {{}}, v: {{}}}}
+objective: {{minimize: {{integral: u**2 + v**2}}}}
+constraints: {{boundary: [{same}]}}
+mesh: [{{method: hermite-simpson, segments: 6}}]
+solver: {{engine: newton}}
+"""
+    solution = solved(text)
+    assert not solution.solved and len(solution.involved) >= 2
+    assert all(name in solution.trouble for name in solution.involved) and " more" not in solution.trouble
+
+
 @pytest.mark.parametrize("count", [2, 6, 7, 40])
 def test_a_sentence_names_the_first_of_many(count):
     names = [f"a{i}" for i in range(count)]

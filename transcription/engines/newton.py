@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import bmat, coo_matrix
-from scipy.sparse.linalg import splu
 
 from ...problems.errors import Mistake, SpecError
 from ..program.contract import NonlinearProgram, NotFinite
+from .linear import solved
 from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {"tol": 1e-8, "max_iter": 100, "line_search": "no"}
@@ -162,11 +162,8 @@ class _Newton:
         J, H = self._jacobian(), self._hessian()
         matrix = bmat([[H, J.T], [J, None]], format="csc")
         right = np.concatenate([-self.nlp.gradient(self.z)[self.free], self.nlp.cl - self.nlp.constraints(self.z)])
-        try:
-            solution = splu(matrix).solve(right)  # (36)
-        except RuntimeError:  # SuperLU: the factor is exactly singular
-            return None
-        if not np.isfinite(solution).all():
+        solution = solved(matrix, right)  # (36)
+        if solution is None or not np.isfinite(solution).all():
             return None
         n = len(self.free)
         return solution[:n], solution[n:]

@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from ..engines.linear import solved
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..measured.estimated import Estimates
@@ -109,15 +110,12 @@ class _Program:
         """The part Z, (K, K), of the inverse KKT matrix of the moving unknowns at some of them, (K,); None if there is
         no inverse."""
         from scipy.sparse import bmat
-        from scipy.sparse.linalg import splu
 
         A, right = self.A[:, moving], np.zeros((len(moving) + len(self.rows), len(at)))
         places = np.searchsorted(moving, at)
         right[places, np.arange(len(at))] = 1.0
-        try:
-            return splu(bmat([[H.tocsr()[moving][:, moving], A.T], [A, None]], format="csc")).solve(right)[places]
-        except RuntimeError:  # exactly singular
-            return None
+        solution = solved(bmat([[H.tocsr()[moving][:, moving], A.T], [A, None]], format="csc"), right)
+        return None if solution is None else solution[places]
 
     def covariance(self, names: Sequence[str]) -> tuple[np.ndarray, str]:
         """2 Z_p, shape (P, P); NaN for parameters on their bounds; and why there is none, or ""."""
