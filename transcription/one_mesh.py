@@ -266,7 +266,17 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     better, again = _measured(
         solved.transcription, nlp, outcome, solved.damping, tolerance, [began] * 3 + [time.perf_counter()]
     )
-    return replace(better, meshes=(*solution.meshes[:-1], added(solution.meshes[-1], better.meshes[-1]))), again
+    return in_place(found, (better, again))
+
+
+def in_place(first: Found, second: Found, *notes: str) -> Found:
+    """The second solution of a mesh, with the work of both and the notes of the first.
+
+    first, second: one after the other.
+    notes: what else there is to tell.
+    """
+    records = (*first[0].meshes[:-1], added(first[0].meshes[-1], second[0].meshes[-1]))
+    return replace(second[0], meshes=records, notes=(*first[0].notes, *notes)), second[1]
 
 
 def added(first: MeshRecord, second: MeshRecord) -> MeshRecord:

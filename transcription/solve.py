@@ -11,11 +11,11 @@ from itertools import count
 from ..problems.errors import SpecError
 from ..problems.problem import Curves, Problem
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
-from .again.same_mesh import from_lower, in_place, sharpened, with_short_turns
+from .again.same_mesh import from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Limit, Origin, Planned, Watch, solve_mesh, tightened
+from .one_mesh import Found, Limit, Origin, Planned, Watch, in_place, solve_mesh, tightened
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter

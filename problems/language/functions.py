@@ -218,11 +218,7 @@ def _varying(spec: Spec) -> set[str]:
     """The names that have a value at every time."""
     model = find_model(spec.shipped) if spec.shipped else None
     found = {"t", *spec.states, *spec.controls, *spec.algebraic}
-    found |= {
-        entry.velocity.name if entry.velocity and entry.velocity.name else f"{name}_dot"
-        for name, entry in spec.states.items()
-        if entry.second_order
-    }
+    found |= {entry.velocity_of(name) for name, entry in spec.states.items() if entry.second_order}
     if model:
         found |= {*model.states, *model.controls, *model.algebraic}
     waiting = {name: {leaf.name for leaf in leaves(entry.value.root)} for name, entry in spec.expressions.items()}

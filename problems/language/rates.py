@@ -49,7 +49,7 @@ def _given(spec: Spec) -> dict[str, Node]:
         if entry.rate is not None:
             found[rate_of(name)] = entry.rate.root
         elif entry.accel is not None:
-            velocity = entry.velocity.name if entry.velocity and entry.velocity.name else f"{name}_dot"
+            velocity = entry.velocity_of(name)
             found |= {rate_of(name): Name(0, 0, velocity, None), rate_of(velocity): entry.accel.root}
     return found
 

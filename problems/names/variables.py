@@ -70,7 +70,7 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
             positions.append(DeclaredState(name, path, state.unit, state, rate, (*path, key)))
             continue
         velocity = state.velocity or Velocity()
-        speed = velocity.name or f"{name}_dot"
+        speed = state.velocity_of(name)
         unit = velocity.unit or _per_time(state.unit, spec)
         rate = state.accel or reference(rate_of(speed))
         positions.append(DeclaredState(name, path, state.unit, state, reference(speed)))

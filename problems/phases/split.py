@@ -141,7 +141,7 @@ def _at_rest(spec: Spec, name: str) -> list[dict[str, Any]]:
     slopes: dict[str, str] = {}
     for own, state in spec.states.items():
         if state.second_order:
-            velocity = (state.velocity.name if state.velocity else "") or f"{own}_dot"
+            velocity = state.velocity_of(own)
             slopes |= {own: velocity, velocity: state.accel.text if state.accel else ""}
         else:
             slopes[own] = state.rate.text if state.rate else ""

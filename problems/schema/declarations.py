@@ -132,6 +132,10 @@ class StateEntry(Entry):
         """Whether the state has a velocity that is a state as well."""
         return self.accel is not None or self.velocity is not None
 
+    def velocity_of(self, name: str) -> str:
+        """The name of the velocity of a second-order state that is called `name`."""
+        return (self.velocity.name if self.velocity else "") or f"{name}_dot"
+
 
 class IntegralState(StateEntry):
     """The state that a named integral is, see `language.integrals`; no file has it."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ..first_mesh import better
-from ..one_mesh import Found, Origin, Planned, Watch, added, solve_mesh, tightened
+from ..one_mesh import Found, Origin, Planned, Watch, in_place, solve_mesh, tightened
 from ..pontryagin.needles import Lower
 from ..refinement.angles import short_turns
 from ..refinement.basin import left_basin
@@ -64,13 +62,3 @@ def from_lower(step: Planned, settings: Settings, found: Found, lower: Lower, wa
     if not better(again[0], found[0], found[0].problem.sense):
         return None
     return in_place(found, again)
-
-
-def in_place(first: Found, second: Found, *notes: str) -> Found:
-    """The second solution of a mesh, with the work of both and the notes of the first.
-
-    first, second: one after the other.
-    notes: what else there is to tell.
-    """
-    records = (*first[0].meshes[:-1], added(first[0].meshes[-1], second[0].meshes[-1]))
-    return replace(second[0], meshes=records, notes=(*first[0].notes, *notes)), second[1]

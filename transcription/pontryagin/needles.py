@@ -59,7 +59,7 @@ def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower
         if not notable < gain < np.inf:
             return None
     worst = max(found, key=lambda i: found[i].total)
-    guesses = [_with(own, found[i]) if i in found else own for i, own in enumerate(trajectories)]
+    guesses = [_curves(own, found[i]) if i in found else own for i, own in enumerate(trajectories)]
     return Lower(gain, _where(trajectories[worst], found[worst]), guesses)
 
 
@@ -72,11 +72,8 @@ def _where(trajectory: Trajectory, least: Minimum) -> str:
     return f"within t = {start:.4g} to {end:.4g}{of_phase(trajectory.phase.name)}, as {names} at t = {t:.4g}"
 
 
-def _with(trajectory: Trajectory, least: Minimum) -> Guess:
-    """A trajectory at the points of the mesh, with other controls."""
-    phase, s = trajectory.phase, trajectory.mesh.fractions
-    names = [variable.name for variable in (*phase.states, *phase.inputs)]
-    values = dict(zip(names, (*trajectory.x, *trajectory.u), strict=True))
-    for control, u in zip(phase.controls, least.controls, strict=True):
-        values[control.name] = np.interp(s, least.points.s, u)
-    return Guess(trajectory.initial_time, trajectory.final_time, s, values, trajectory.parameters)
+def _curves(trajectory: Trajectory, least: Minimum) -> Guess:
+    """A trajectory with the controls of least Hamiltonian."""
+    controls = zip(trajectory.phase.controls, least.controls, strict=True)
+    s = trajectory.mesh.fractions
+    return trajectory.with_controls({own.name: np.interp(s, least.points.s, u) for own, u in controls})

@@ -8,12 +8,12 @@ as the direction of a thrust that is off, it goes straight from one to the next.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ...problems.problem import Curves, Guess, Phase
-from ...problems.quantities import Function, Variable
+from ...problems.problem import Curves, Guess
+from ...problems.quantities import Variable
 from ..solution.trajectory import Trajectory
 
 TURNS = (2 * np.pi, 360.0)
@@ -32,7 +32,7 @@ def short_turns(trajectories: Sequence[Trajectory]) -> tuple[list[Curves], list[
     for own in trajectories:
         found = dict(_unwound(own))
         names += found
-        curves.append(_with(own, found) if found else own)
+        curves.append(_curves(own, found) if found else own)
     return curves, names
 
 
@@ -60,20 +60,13 @@ def _near(control: Variable, v: np.ndarray, turn: float) -> np.ndarray:
     return v - turn * np.round((v.mean() - middle) / turn)
 
 
-def _over_time(phase: Phase) -> list[Function]:
-    """What may depend on a control at every time."""
-    own: list[Function] = [state.rate for state in phase.states]
-    own += [c.function for c in (*phase.path, *phase.residuals, *phase.integral)]
-    return own + ([phase.lagrange] if phase.lagrange else [])
-
-
 def _at(trajectory: Trajectory, control: Variable, shift: float) -> list[np.ndarray]:
     """What may depend on a control, (M,) each at the collocation points, with the control larger by `shift`."""
     phase, k = trajectory.phase, trajectory.mesh.collocated
     u = trajectory.u[:, k].copy()
     u[[own.name for own in phase.inputs].index(control.name)] += shift
     values = phase.arguments(trajectory.times[k], trajectory.x[:, k], u, trajectory.parameters)
-    return [np.broadcast_to(function(values, np), len(k)) for function in _over_time(phase)]
+    return [np.broadcast_to(function(values, np), len(k)) for function in phase.over_time]
 
 
 def _periodic(trajectory: Trajectory, control: Variable, turn: float) -> bool:
@@ -91,10 +84,7 @@ def _effect(trajectory: Trajectory, control: Variable, turn: float) -> np.ndarra
     return (spans > EFFECT * np.where(most > 0, most, np.inf)).any(axis=0)
 
 
-def _with(trajectory: Trajectory, angles: dict[str, np.ndarray]) -> Guess:
-    """A trajectory as a guess at its points, with other values of some controls at the collocation points."""
+def _curves(trajectory: Trajectory, angles: Mapping[str, np.ndarray]) -> Guess:
+    """A trajectory with other values of some controls, at the collocation points."""
     s, k = trajectory.mesh.fractions, trajectory.mesh.collocated
-    names = [variable.name for variable in (*trajectory.phase.states, *trajectory.phase.inputs)]
-    values = dict(zip(names, (*trajectory.x, *trajectory.u), strict=True))
-    values |= {name: np.interp(s, s[k], u) for name, u in angles.items()}
-    return Guess(trajectory.initial_time, trajectory.final_time, s, values, trajectory.parameters)
+    return trajectory.with_controls({name: np.interp(s, s[k], u) for name, u in angles.items()})

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...problems.problem import Phase
+from ...problems.problem import Guess, Phase
 from ...problems.quantities import Delayed
 from ...problems.sets import without
 from ...problems.text import short_repr
@@ -182,8 +182,17 @@ class Trajectory:
     def samples(self, s: np.ndarray) -> dict[str, np.ndarray]:
         """States and inputs at normalised times s, shape (M,), by name: a trajectory is a guess for the next mesh."""
         sample = self.at(s)
+        return self._named(sample.x, sample.u)
+
+    def with_controls(self, controls: Mapping[str, np.ndarray]) -> Guess:
+        """The trajectory as a guess at its points, with other values of some controls, name -> (K,)."""
+        values = self._named(self.x, self.u) | dict(controls)
+        return Guess(self.initial_time, self.final_time, self.mesh.fractions, values, self.parameters)
+
+    def _named(self, x: np.ndarray, u: np.ndarray) -> dict[str, np.ndarray]:
+        """The rows of states and inputs, by their names."""
         names = [variable.name for variable in (*self.phase.states, *self.phase.inputs)]
-        return dict(zip(names, (*sample.x, *sample.u), strict=True))
+        return dict(zip(names, (*x, *u), strict=True))
 
     @cached_property
     def dense(self) -> Sample:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...problems.quantities import Function
 from ..solution.trajectory import Trajectory
 
 AFFINE = 1e-9  # relative: what the middle of two values may differ from the value of the middle
@@ -31,10 +30,8 @@ def is_affine(trajectory: Trajectory, i: int) -> bool:
         own = u.copy()
         own[i] = own[i] + shift
         sides.append(phase.arguments(t, x, own, trajectory.parameters))
-    functions: list[Function] = [state.rate for state in phase.states]
-    functions += [c.function for c in (*phase.integral, *phase.path)] + ([phase.lagrange] if phase.lagrange else [])
     with np.errstate(all="ignore"):
-        for function in functions:
+        for function in phase.over_time:
             low, middle, high = (np.broadcast_to(function(values, np), t.shape) for values in sides)
             bent, size = np.abs(low - 2 * middle + high), 1 + np.abs(middle) + np.abs(high - low)
             if (bent > AFFINE * size)[np.isfinite(bent)].any():
