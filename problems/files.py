@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from errno import ELOOP, ESRCH
 from functools import cache
@@ -82,6 +82,29 @@ def check_suffix(path: Path, what: str, suffixes: Sequence[str], remedy: str) ->
     if path.suffix.lower() not in suffixes:
         other = f'no {what} is written with the suffix "{path.suffix}"' if path.suffix else "the name has no suffix"
         raise SpecError(Mistake(str(path), other, remedy))
+
+
+def check_ours(path: Path, force: bool, is_ours: Callable[[Path], bool], foreign: str) -> None:
+    """Refuse, before any work is done, a path that cannot be written to, or a file that is not to be replaced.
+
+    path: of a file to come.
+    force: whether any file may be replaced.
+    is_ours: whether an earlier file was written by the same kind of command, and may be replaced; may raise OSError.
+    foreign: what is said of any other, as "was not drawn by trajopt".
+
+    Raises FileError.
+    """
+    check_writable(path)
+    if force or not path.exists():
+        return
+    try:
+        ours = is_ours(path)
+    except OSError as error:
+        what = f"it cannot be read ({(error.strerror or str(error)).lower()})"
+        raise FileError(Mistake(str(path), what, "choose another file with -o")) from error
+    if not ours:
+        remedy = "choose another file with -o, or replace it with --force"
+        raise FileError(Mistake(str(path), f"it exists and {foreign}", remedy))
 
 
 @contextmanager

@@ -94,23 +94,28 @@ class Expression:
         return None
 
     @cached_property
+    def leaves(self) -> tuple[Name, ...]:
+        """Every name in the text, from the left: kept, as a definition is walked through for each that stands on it."""
+        return tuple(leaves(self.root))
+
+    @cached_property
     def names(self) -> frozenset[str]:
         """Names whose values a call needs, spelled "q1[final]" at the boundary."""
-        inner = [self._keys(d.root, end) for d, end in self.steps.values()]
-        return frozenset().union(self._keys(self.root, None), *inner) - self.steps.keys() - self.parameters.keys()
+        inner = [self._keys(definition, end) for definition, end in self.steps.values()]
+        return frozenset().union(self._keys(self, None), *inner) - self.steps.keys() - self.parameters.keys()
 
     @cached_property
     def constants(self) -> frozenset[str]:
         """The parameters that stand in the expression or in a definition that is needed."""
         own = (self, *(definition for definition, _ in self.steps.values()))
-        return frozenset(leaf.name for part in own for leaf in leaves(part.root)) & self.parameters.keys()
+        return frozenset(leaf.name for part in own for leaf in part.leaves) & self.parameters.keys()
 
     @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
         """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, set[str]] = {}
-        waiting = [(n.name, n.end) for n in leaves(self.root) if n.name in self.definitions]
+        waiting = [(n.name, n.end) for n in self.leaves if n.name in self.definitions]
         while waiting:
             name, end = waiting.pop()
             key = self._key(name, end)
@@ -118,12 +123,12 @@ class Expression:
                 continue
             definition = self.definitions[name]
             found[key] = definition, end
-            graph[key] = self._keys(definition.root, end)
-            waiting += [(n.name, end) for n in leaves(definition.root)]
+            graph[key] = self._keys(definition, end)
+            waiting += [(n.name, end) for n in definition.leaves]
         return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
 
-    def _keys(self, root: Node, end: str | None) -> set[str]:
-        return {self._key(n.name, n.end or end) for n in leaves(root)}
+    def _keys(self, part: Expression, end: str | None) -> set[str]:
+        return {self._key(n.name, n.end or end) for n in part.leaves}
 
     def _key(self, name: str, end: str | None) -> str:
         fixed = end is None or name in self.parameters or name in self.static

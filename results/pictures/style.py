@@ -20,8 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import Formatter
 
-from ...problems.errors import FileError, Mistake
-from ...problems.files import check_suffix, check_writable, replacing
+from ...problems.files import check_ours, check_suffix, replacing
 from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -228,20 +227,13 @@ def check_picture(path: Path, suffixes: Sequence[str], force: bool = False) -> N
     Raises SpecError for a suffix that is none of `suffixes`, FileError otherwise.
     """
     check_suffix(path, "picture", suffixes, f"end the name with {' or '.join(suffixes)}")
-    check_writable(path)
-    if path.exists() and not force and not drawn_by_us(path):
-        what = "it exists and was not drawn by trajopt"
-        raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
+    check_ours(path, force, drawn_by_us, "was not drawn by trajopt")
 
 
 def drawn_by_us(path: Path) -> bool:
-    """Whether the picture says that trajopt drew it. Raises FileError if it cannot be read."""
+    """Whether the picture says that trajopt drew it. Raises OSError if it cannot be read."""
     start, software = _MARKS[path.suffix.lower()]
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        what = f"it cannot be read ({error.strerror})"
-        raise FileError(Mistake(str(path), what, "choose another file with -o")) from error
+    content = path.read_bytes()
     return content.startswith(start) and software in content
 
 

@@ -16,8 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ...problems.errors import FileError, Mistake
-from ...problems.files import check_suffix, check_writable, replacing
+from ...problems.files import check_ours, check_suffix, replacing
 from ..file.summary import plain
 
 HERE = Path(__file__).parent
@@ -72,10 +71,7 @@ def check_page(path: Path, force: bool = False) -> None:
     Raises SpecError for another suffix, FileError otherwise.
     """
     check_suffix(path, "page", SUFFIXES, "end the name with .html")
-    check_writable(path)
-    if path.exists() and not force and not _ours(path):
-        what = "it exists and is no page of 'trajopt report'"
-        raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
+    check_ours(path, force, _ours, f"is no page of '{MARK}'")
 
 
 def write_page(path: Path, text: str) -> None:
@@ -85,12 +81,8 @@ def write_page(path: Path, text: str) -> None:
 
 
 def _ours(path: Path) -> bool:
-    try:
-        with path.open("rb") as stream:
-            return f'content="{MARK}"'.encode() in stream.read(_MARKED)
-    except OSError as error:
-        what = f"it cannot be read ({(error.strerror or str(error)).lower()})"
-        raise FileError(Mistake(str(path), what, "choose another file with -o")) from error
+    with path.open("rb") as stream:
+        return f'content="{MARK}"'.encode() in stream.read(_MARKED)
 
 
 @cache

@@ -1,6 +1,7 @@
 """dJ/dp of the numbers of a file, beside the change of the objective when they are changed and solved again."""
 
 import json
+from functools import cache
 from math import isnan
 
 import numpy as np
@@ -134,9 +135,16 @@ def test_finite_differences_and_an_exact_solution():
     assert exact["time.final"] == pytest.approx(-36.0, rel=1e-6)
 
 
+@cache
+def failed():
+    """A problem without a solution, and how its solve ended."""
+    spec = load_file("cartpole", ["parameters.u_max=1"])
+    return spec, solution_of(spec)
+
+
 def test_what_is_not_defined_is_told():
-    failed = solution_of(load_file("cartpole", ["parameters.u_max=1"]))
-    assert not failed.sensitivities.all and "not solved" in failed.sensitivities.why_not
+    _, unsolved = failed()
+    assert not unsolved.sensitivities.all and "not solved" in unsolved.sensitivities.why_not
     biped = {own.path: own for own in solution_of(load_file("biped", ["mesh.0.segments=6"])).sensitivities.all}
     assert isnan(biped["parameters.m1"].derivative) and "compiled in" in biped["parameters.m1"].note
     assert not isnan(biped["parameters.T"].derivative)
@@ -204,9 +212,9 @@ def test_stored_shown_and_in_python(tmp_path):
 
 
 def test_a_failed_solve_says_why_there_are_none(tmp_path):
-    spec = load_file("cartpole", ["parameters.u_max=1"])
+    spec, unsolved = failed()
     path = tmp_path / "failed.h5"
-    path.write_bytes(image_of(solution_of(spec), spec.text, spec.model_dump_json(), "test"))
+    path.write_bytes(image_of(unsolved, spec.text, spec.model_dump_json(), "test"))
     assert "none: the problem is not solved" in command("show", path, "--sensitivities").stdout
 
 

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from harvest import STOCK
 
 from trajopt.cli.output.arcs import few_arcs
 from trajopt.problems.quantities import Range
@@ -43,14 +44,6 @@ SPEED = move(bounds=", upper: 0.5")  # max until 1/2, v at its bound until 2
 EFFORT = move(final=1, lower=-4.5, upper=9, objective='{integral: "u**2"}')  # 6 - 12 t without bounds
 SMOOTH = move(final=1, lower=-50, upper=50, objective='{integral: "u**2"}')
 UNBOUNDED = SMOOTH.replace("{lower: -50, upper: 50}", "{}")
-STOCK = """\
-trajopt: 1
-name: a fish stock, harvested
-time: {initial: 0, final: 10}
-states: {n: {rate: n*(1 - n) - h, initial: 0.2, final: 0.2}}
-controls: {h: {lower: 0, upper: 1}}
-objective: {maximize: {integral: h}}
-"""
 DECAY = """\
 trajopt: 1
 name: a regulator with a control that only decays to its bound

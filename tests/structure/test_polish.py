@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from harvest import STOCK
 from scipy.optimize import brentq
 
 from trajopt.problems.phases.split import Part, split, why_not
@@ -41,14 +42,6 @@ states:
 controls: {j: {lower: -40, upper: 40}}
 objective: {minimize: {terminal: "t[final]"}}
 mesh: [{method: radau, segments: 60, degree: 4}]
-"""
-STOCK = """\
-trajopt: 1
-name: a fish stock, harvested
-time: {initial: 0, final: 10}
-states: {n: {rate: n*(1 - n) - h, initial: 0.2, final: 0.2}}
-controls: {h: {lower: 0, upper: 1}}
-objective: {maximize: {integral: h}}
 """
 RUN_DOWN = 2 / 3**0.5 * np.arctan(0.6 / 3**0.5)  # the time of the greatest harvest, from n = 1/2 to 0.2
 
