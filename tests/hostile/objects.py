@@ -120,6 +120,7 @@ def _compound(values: np.ndarray) -> np.ndarray:
 
 ARRAYS: dict[str, Damage] = {
     "text": _scaled(lambda v: np.full(v.shape, "\x1b[31mred", object)), "whole": _scaled(lambda v: v.astype(int)),
+    "no utf-8": _scaled(lambda v: np.full(v.shape, b"\xff", h5py.string_dtype())),
     "complex": _scaled(lambda v: v + 1j), "compound": _scaled(_compound),
     "group": _to_group, "single": _scaled(lambda v: float(np.ravel(v)[0]) if v.size else 0.0),
     "longer": _scaled(lambda v: np.resize(v, (v.shape or (1,))[0] + 1)),
