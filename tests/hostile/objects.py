@@ -149,7 +149,7 @@ ATTRIBUTES: dict[str, object] = {
     "text": "\x1b]0;title\x07\x1b[2J\n$\\frac{$", "long": "x" * 50_000, "bytes": np.bytes_(b"\xff\xfe"),
     "number": 1.5, "nan": np.nan, "inf": np.inf, "minus one": -1, "large": 2**62, "zero": 0, "tiny": 1e-320,
     "row": np.arange(3.0), "texts": ["a", "b"], "empty": h5py.Empty("f8"), "true": True, "false": False,
-    "complex": 1j, "no utf-8": "\udcff\udcfe",
+    "complex": 1j, "no utf-8": np.array(b"\xff\xfe", h5py.string_dtype()),
 }  # fmt: skip
 
 
