@@ -94,6 +94,9 @@ def damaged(result, place, damage):
         ("phase/main/points", "external", "it is a link to another place"),
         ("phase", "cycle", "it is missing"),
         ("phase/main/knots", "soft", "it is a link to another place"),
+        ("spec/text", "no utf-8", "/spec/text: its byte 1 is no UTF-8"),
+        ("phase/main/error/state", "no utf-8", "/phase/main/error/state: its byte 1 is no UTF-8"),
+        ("sensitivity/note", "no utf-8", "/sensitivity/note: its byte 1 is no UTF-8"),
         ("phase/main/knots", "filter", "a filter that is not read"),
     ],
 )
@@ -221,3 +224,18 @@ def test_texts_that_hdf5_would_read_for_ever(result):
     result.write_bytes(content)
     with pytest.raises(FileError, match="its texts cannot be read"):
         summarize(result)
+
+
+def test_what_only_some_results_have(tmp_path):
+    """Times of arcs, and what a pair was allowed, are compared and printed: they are numbers."""
+    sources = good_results(tmp_path, ["phases", "contact"])
+    with h5py.File(sources[0]) as phases, h5py.File(sources[1]) as contact:
+        places = [first(own, kind) for own, kind in ((phases, "arcs/end"), (contact, "allowed"))]
+    for source, place in zip(sources, places, strict=True):
+        with pytest.raises(FileError, match=f"/{place}: not all of its values are finite"):
+            summarize(damaged(source, place, ARRAYS["minus inf"]))
+
+
+def first(file, ending):
+    """The path of the first array of that name."""
+    return file.visit(lambda path: path if path.endswith(ending) else None)

@@ -91,9 +91,12 @@ def _draw_together(
 ) -> None:
     """One picture of all results: over time, or one quantity against another."""
     pair = _split(xy)
-    if xy and (len(pair) != 2 or only or kinds != ["trajectory"]):
-        what = "two names are drawn against each other, and nothing else" if len(pair) == 2 else "it takes two names"
-        raise SpecError(Mistake(f"--xy {xy}", what, "write --xy x,y without --only, --error and --mesh"))
+    if xy and len(pair) != 2:
+        raise SpecError(Mistake(f"--xy {xy}", "it takes two names", "write --xy x,y: y is drawn against x"))
+    others = ["--only"] * bool(only) + [f"--{kind}" for kind in kinds if kind != "trajectory"]
+    if xy and others:
+        what = "two names are drawn against each other, and nothing else"
+        raise SpecError(Mistake(f"--xy {xy}", what, f"leave out {' and '.join(others)}"))
     default = "overlay.png" if len(results) > 1 else f"{results[0].stem}-xy.png"
     folder = output is not None and Path(output).is_dir()
     path = Path(output or "", default) if folder or output is None else Path(output)

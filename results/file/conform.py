@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from ...problems.text import shorten
-from .layout import TEXTS, UNITS, Array, Attribute, Each, Group, Size
+from .layout import TEXT, TEXTS, UNITS, Array, Attribute, Each, Group, Size
 from .nodes import LayoutError, fits, has, has_attribute, kind_of, names_in, opened, shape_of
 
 KNOWN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
@@ -98,6 +98,8 @@ class Conformance:
         self._storage(node, shape, type_.get_size(), where)
         if has_attribute(node, "units"):
             self._attribute(node, "units", UNITS, scope, where)
+        if declared.kind == TEXT:
+            _check_texts(h5py.Dataset(node), where)
         if declared.ordered or declared.finite or declared.names or declared.limits:
             _check_values(h5py.Dataset(node), declared, scope, where)
 
@@ -155,6 +157,14 @@ def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, wher
         raise LayoutError(where, f"{value} is out of range")
     if declared.size:
         _bind(scope, declared.size, int(value), where)
+
+
+def _check_texts(array: h5py.Dataset, where: str) -> None:
+    for text in np.atleast_1d(array[()]):
+        try:
+            text.decode()
+        except UnicodeDecodeError as error:
+            raise LayoutError(where, f"its byte {error.start + 1} is no UTF-8") from error
 
 
 def _check_values(array: h5py.Dataset, declared: Array, scope: Scope, where: str) -> None:

@@ -185,7 +185,8 @@ _ARC = (Size("arcs"),)
 ARCS = Group(
     {
         "arc": Array(WHOLE, _ARC),
-        **dict.fromkeys(("start", "end", "bound"), Array(NUMBER, _ARC)),
+        **dict.fromkeys(("start", "end"), Array(NUMBER, _ARC, finite=True)),
+        "bound": Array(NUMBER, _ARC),
         **dict.fromkeys(("name", "kind", "on", "by"), Array(TEXT, _ARC)),
     },
     optional=True,  # where something is on a bound; older results have none
@@ -218,7 +219,7 @@ PHASE = Group({
     "price": Each(Array(NUMBER), optional=True),  # older results have none
     "arcs": ARCS,
     "complementarity": Each(
-        Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER)}),
+        Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER, finite=True)}),
         names="pairs",
         or_none=True,
         optional=True,

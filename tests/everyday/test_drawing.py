@@ -95,6 +95,8 @@ def test_one_quantity_against_another_with_the_obstacles(result):
     for wrong, words in (("x", "two names"), ("x,z", 'there is no "z"'), ("x,y,vx", "two names")):
         told = trajopt("plot", result, "--xy", wrong)
         assert told.exit_code == 2 and words in told.stderr
+    told = trajopt("plot", result, "--xy", "x,y", "--mesh")
+    assert told.exit_code == 2 and told.stderr.endswith("; leave out --mesh\n")
 
 
 def test_results_in_one_picture(result, folder):

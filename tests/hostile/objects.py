@@ -120,6 +120,7 @@ def _compound(values: np.ndarray) -> np.ndarray:
 
 ARRAYS: dict[str, Damage] = {
     "text": _scaled(lambda v: np.full(v.shape, "\x1b[31mred", object)), "whole": _scaled(lambda v: v.astype(int)),
+    "no utf-8": _scaled(lambda v: np.full(v.shape, b"\xff", h5py.string_dtype())),
     "complex": _scaled(lambda v: v + 1j), "compound": _scaled(_compound),
     "group": _to_group, "single": _scaled(lambda v: float(np.ravel(v)[0]) if v.size else 0.0),
     "longer": _scaled(lambda v: np.resize(v, (v.shape or (1,))[0] + 1)),
@@ -148,7 +149,7 @@ ATTRIBUTES: dict[str, object] = {
     "text": "\x1b]0;title\x07\x1b[2J\n$\\frac{$", "long": "x" * 50_000, "bytes": np.bytes_(b"\xff\xfe"),
     "number": 1.5, "nan": np.nan, "inf": np.inf, "minus one": -1, "large": 2**62, "zero": 0, "tiny": 1e-320,
     "row": np.arange(3.0), "texts": ["a", "b"], "empty": h5py.Empty("f8"), "true": True, "false": False,
-    "complex": 1j, "no utf-8": "\udcff\udcfe",
+    "complex": 1j, "no utf-8": np.array(b"\xff\xfe", h5py.string_dtype()),
 }  # fmt: skip
 
 
