@@ -93,7 +93,7 @@ def _draw_together(
     pair = _split(xy)
     if xy and len(pair) != 2:
         raise SpecError(Mistake(f"--xy {xy}", "it takes two names", "write --xy x,y: y is drawn against x"))
-    others = ["--only"] * bool(only) + [f"--{kind}" for kind in kinds if kind != "trajectory"]
+    others = (["--only"] if only else []) + [f"--{kind}" for kind in kinds if kind != "trajectory"]
     if xy and others:
         what = "two names are drawn against each other, and nothing else"
         raise SpecError(Mistake(f"--xy {xy}", what, f"leave out {' and '.join(others)}"))

@@ -99,9 +99,9 @@ class Conformance:
         if has_attribute(node, "units"):
             self._attribute(node, "units", UNITS, scope, where)
         if declared.kind == TEXT:
-            _check_texts(h5py.Dataset(node), where)
-        if declared.ordered or declared.finite or declared.names or declared.limits:
-            _check_values(h5py.Dataset(node), declared, scope, where)
+            _check_texts(h5py.Dataset(node), declared, scope, where)
+        elif declared.ordered or declared.finite or declared.limits:
+            _check_values(h5py.Dataset(node), declared, where)
 
     def _storage(self, node: h5py.h5d.DatasetID, shape: tuple[int, ...], item: int, where: str) -> None:
         """That the values, of so many bytes each, are in this file, in a way that is known, and not too many."""
@@ -159,21 +159,19 @@ def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, wher
         _bind(scope, declared.size, int(value), where)
 
 
-def _check_texts(array: h5py.Dataset, where: str) -> None:
-    for text in np.atleast_1d(array[()]):
-        try:
-            text.decode()
-        except UnicodeDecodeError as error:
-            raise LayoutError(where, f"its byte {error.start + 1} is no UTF-8") from error
-
-
-def _check_values(array: h5py.Dataset, declared: Array, scope: Scope, where: str) -> None:
-    if declared.names:
-        names = [text.decode(errors="surrogateescape") for text in array[()]]
-        if len(set(names)) < len(names):
-            raise LayoutError(where, "a name stands in it twice")
-        _agree(scope, declared.names, names, where)
+def _check_texts(array: h5py.Dataset, declared: Array, scope: Scope, where: str) -> None:
+    try:
+        texts = [text.decode() for text in np.atleast_1d(array[()])]
+    except UnicodeDecodeError as error:
+        raise LayoutError(where, f"its byte {error.start + 1} is no UTF-8") from error
+    if not declared.names:
         return
+    if len(set(texts)) < len(texts):
+        raise LayoutError(where, "a name stands in it twice")
+    _agree(scope, declared.names, texts, where)
+
+
+def _check_values(array: h5py.Dataset, declared: Array, where: str) -> None:
     values = array[()]
     if declared.limits and not (values >= declared.limits[0]).all() & (values <= declared.limits[1]).all():
         raise LayoutError(where, f"its values are not between {declared.limits[0]} and {declared.limits[1]}")

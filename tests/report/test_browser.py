@@ -71,10 +71,10 @@ class Browser:
     def run(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)
 
-    def wait(self, script):
+    def wait(self, script, *arguments):
         from selenium.webdriver.support.wait import WebDriverWait
 
-        return WebDriverWait(self.driver, 60).until(lambda driver: driver.execute_script(script))
+        return WebDriverWait(self.driver, 60).until(lambda driver: driver.execute_script(script, *arguments))
 
     def all(self, selector):
         return self.driver.find_elements("css selector", selector)
@@ -89,12 +89,10 @@ class Browser:
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
     def draw_all(self):
-        """Go through the page until every curve is drawn."""
-        count = len(self.all("figure[data-chart]"))
+        """Go through the page; stay at each curve until it is drawn, however late that is."""
         for figure in self.all("figure[data-chart]"):
             self.run("arguments[0].scrollIntoView()", figure)
-        drawn = "document.querySelectorAll('figure[data-chart] canvas, figure[data-chart] p').length"
-        self.wait(f"return {drawn} >= {count}")
+            self.wait("return arguments[0].querySelector('canvas, p') !== null", figure)
 
 
 @pytest.fixture(scope="module")
