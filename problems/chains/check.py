@@ -7,19 +7,43 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..names.symbols import Symbols
-from ..schema.model import BASE, CART, CHAIN, FIXED, FLOATING, RELATIVE, REVOLUTE, ChainLink, ModelEntry
+from ..schema.model import (
+    BASE,
+    CART,
+    CHAIN,
+    FIXED,
+    FLOATING,
+    PRISMATIC,
+    RELATIVE,
+    REVOLUTE,
+    WELDED,
+    ChainLink,
+    ModelEntry,
+)
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import angle_names, names_of
+from .bodies import coordinate_names, names_of
 from .motion import CART_NAME, TOTAL, Chain
+from .sliding import mass
 from .step import Step
 
 _TAKEN = (BASE, CART_NAME, "com", CHAIN)
 """Names that no link may have: those of outputs and constants begin with them."""
 
 _DYNAMICS = ("rate", "next", "accel")
+
+_OF_JOINTS = {
+    "motor": (REVOLUTE, PRISMATIC),
+    "torque": (REVOLUTE,),
+    "angle": (REVOLUTE,),
+    "zero": (REVOLUTE, PRISMATIC),
+    "force": (PRISMATIC,),
+    "distance": (PRISMATIC,),
+    "turn": (WELDED, PRISMATIC),
+}
+"""Key of a link -> the joints that have it."""
 
 
 def mistakes(entry: ModelEntry, data: Mapping[str, Any]) -> list[Finding]:
@@ -62,18 +86,19 @@ def _names(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:
 
 def _angles(entry: ModelEntry, data: Mapping[str, Any]) -> Iterator[Finding]:
     """One name for each angle, and no dynamics for it but those of the chain."""
-    angles = list(angle_names(entry.links))
+    angles = list(coordinate_names(entry.links))
     moving = [q for q in angles if q]
     if not moving and entry.base != FLOATING:
-        yield Finding(("model", "links"), "no link of this chain can turn", "remove joint: fixed from one of them")
+        yield Finding(("model", "links"), "no link of this chain can move", "remove joint: fixed from one of them")
     base = ("x", "y")[: {CART: 1, FLOATING: 2}.get(entry.base, 0)]
     rates = {f"d{q}" for q in (*moving, *base)}
     chain = {*moving, *base, *rates}
     for q, count in Counter(moving).items():
-        what = f"two angles are called {q}" if count > 1 else f"{q} is another state of the chain"
+        what = f"two coordinates are called {q}" if count > 1 else f"{q} is another state of the chain"
         if count > 1 or q in base or q in rates:
             number = len(angles) - 1 - angles[::-1].index(q)
-            yield Finding(("model", "links", number, "angle"), what, "give each a name of its own")
+            key = "distance" if entry.links[number].joint == PRISMATIC else "angle"
+            yield Finding(("model", "links", number, key), what, "give each a name of its own")
     states = data.get("states")
     for name, own in states.items() if isinstance(states, dict) else ():
         given = own if isinstance(own, dict) else {}
@@ -111,23 +136,22 @@ def _hangs(entry: ModelEntry, names: list[str], number: int, path: Path) -> Iter
 
 
 def _joint(entry: ModelEntry, link: ChainLink, path: Path) -> Iterator[Finding]:
-    """What a joint has: motor, torque and angle where it turns, turn where it is fixed."""
+    """What a joint has, as `_OF_JOINTS` says, and what it has on the base."""
     on_base = link.parent == BASE or (not link.parent and path[-1] == 0)
-    if link.joint != REVOLUTE:
-        for key in ("motor", "torque", "angle", "zero"):
-            if getattr(link, key) not in (None, False, ""):
-                yield Finding(
-                    (*path, key), f"a fixed joint does not turn, so it has no {key}", f"remove {key}:, or joint: fixed"
-                )
-        return
-    if link.turn is not None:
-        yield Finding(
-            (*path, "turn"), "turn is of fixed joints, and this one turns", "remove it, or write joint: fixed"
-        )
-    if link.zero and entry.angles == RELATIVE and not on_base:
+    for key, joints in _OF_JOINTS.items():
+        if link.joint not in joints and getattr(link, key) not in (None, False, ""):
+            remedy = f"remove {key}:, or write joint: {' or joint: '.join(joints)}"
+            yield Finding((*path, key), f"the joint is {link.joint}, which has no {key}", remedy)
+    if link.joint == PRISMATIC and on_base and entry.base == FLOATING:
+        what = "the base is floating, so this link would move along itself by two states"
+        yield Finding((*path, "joint"), what, "hang it on a link that turns, or write base: fixed")
+    if link.joint == PRISMATIC and link.zero and not on_base:
+        what = "a link that slides points as the one before it, or a turn from there"
+        yield Finding((*path, "zero"), what, "write turn:, the angle between both")
+    if link.joint == REVOLUTE and link.zero and entry.angles == RELATIVE and not on_base:
         what = "a relative angle is zero where the link goes on straight from the one before it"
         yield Finding((*path, "zero"), what, "remove zero:, or write angles: absolute")
-    for key in ("motor", "torque") if entry.base == FLOATING and on_base else ():
+    for key in ("motor", "torque") if entry.base == FLOATING and on_base and link.joint == REVOLUTE else ():
         if getattr(link, key) not in (None, False):
             what = f"the base is floating, so there is nothing that this {key} could push against"
             yield Finding((*path, key), what, f"remove {key}:, or write base: fixed")
@@ -159,6 +183,9 @@ def value_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         if turned and all(symbols.fixed.get(chain.mass(own, own), 1.0) == 0 for own in turned):
             what = f"nothing that turns with {body.q} has a mass at a distance or an inertia, so nothing holds it back"
             yield Finding(("model", "links", body.number), what, "give a mass and a length, or an inertia, above zero")
+        if body.slides and symbols.fixed.get(mass(body), 1.0) == 0:
+            what = f"nothing that slides with {body.q} has a mass, so nothing holds it back"
+            yield Finding(("model", "links", body.number), what, "give a mass above zero")
     yield from _goes_on(chain, symbols)
 
 
@@ -180,7 +207,11 @@ def _step(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:
     for wrong, what, remedy in (
         (entry.base != FIXED, f"the base is {entry.base}", "write base: fixed: the foot that stands is the base"),
         (entry.angles == RELATIVE, "angles are relative", "write angles: absolute, which the legs can swap"),
-        (any(link.joint != REVOLUTE for link in entry.links), "the chain has a fixed joint", "make one link of both"),
+        (
+            any(link.joint != REVOLUTE for link in entry.links),
+            "one of its joints does not turn",
+            "make one link of both",
+        ),
     ):
         if wrong:
             yield Finding(path, f"a step is for walkers that swap their legs, and {what}", remedy)

@@ -18,23 +18,38 @@ forces from outside. The base moves as
     m (ddy + g) + sum_a b_a (cos phi_a dw_a - sin phi_a w_a^2) = F_y
 
 For the five-link biped of Kelly 2017 these are sums and differences of (F.4)-(F.8).
+
+A link s that slides by q_s has it in its distances c_ks, so that M_ab and b_a vary with it. Each link that s carries
+has the acceleration e(phi_s) ddq_s + 2 e'(phi_s) w_s dq_s besides. With m_s the mass that s carries, itself too, and
+b_as = sum_k m_k c_ka over what both a and s carry, this adds
+
+    b_as (-sin(phi_a - phi_s) ddq_s + 2 cos(phi_a - phi_s) w_s dq_s)                      to f_a
+    m_s (cos phi_s ddq_s - 2 sin phi_s w_s dq_s), m_s (sin phi_s ddq_s + 2 cos phi_s w_s dq_s)   to those of the base
+
+and the equation of q_s is that the force along the joint is, with m_sr the mass that s and r both carry,
+
+    sum_b b_bs (sin(phi_s - phi_b) dw_b - cos(phi_s - phi_b) w_b^2) + m_s (cos phi_s ddx + sin phi_s (ddy + g))
+        + sum_r m_sr (cos(phi_s - phi_r) ddq_r + 2 sin(phi_s - phi_r) w_r dq_r)
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from ..schema.model import CART, FIXED, FLOATING, ForceEntry, ModelEntry
 from .angles import Angle, grouped, negative, summed, times
 from .bodies import Body, Reach, bodies, control_of
+from .sliding import Sliding, first_moment, mass, slid
 
 CART_NAME = "cart"
 GRAVITY = "chain_gravity"
 TOTAL = "chain_mass"
 ACROSS, UP = "x", "y"
 """The states of a base that moves."""
+ALL: Mapping[int, str] = {}
+"""The shares of a point that all links on the way to it carry whole."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +61,10 @@ class Chain:
     @cached_property
     def bodies(self) -> list[Body]:
         return bodies(self.entry)
+
+    @cached_property
+    def sliding(self) -> Sliding:
+        return Sliding(self.bodies)
 
     @property
     def base(self) -> list[str]:
@@ -62,8 +81,8 @@ class Chain:
         return ((k, k.centre[a.number]) for k in self.bodies if a.number in k.centre)
 
     def constants(self) -> dict[str, str]:
-        """Name -> value of all that is made of masses and lengths: M_ab for a <= b, b_a and m."""
-        found = {}
+        """Name -> value of all that is made of masses and lengths: M_ab for a <= b, b_a, m, and what sliding adds."""
+        found = self.sliding.constants()
         for a in self.bodies:
             for b in self.bodies[a.number :]:
                 shared = [
@@ -73,7 +92,7 @@ class Chain:
                     shared.append(a.constant("inertia"))
                 if shared:
                     found[self.mass(a, b)] = summed(shared)
-            found[self.b(a)] = summed(times(k.constant("mass"), c) for k, c in self.reach(a))
+            found[first_moment(a, a)] = summed(times(k.constant("mass"), c) for k, c in self.reach(a))
         cart = [f"{CART_NAME}_mass"] if self.entry.base == CART else []
         found[TOTAL] = summed([*cart, *(body.constant("mass") for body in self.bodies)])
         return found
@@ -83,11 +102,6 @@ class Chain:
         """The name of M_ab."""
         first, last = sorted((a.number + 1, b.number + 1))
         return f"chain_M_{first}_{last}"
-
-    @staticmethod
-    def b(a: Body) -> str:
-        """The name of b_a."""
-        return f"chain_b_{a.number + 1}"
 
     def number_of(self, name: str) -> int:
         """The number of a link."""
@@ -107,7 +121,8 @@ class Chain:
             spin, turn = grouped(f"{rate}[rate]" for rate in b.rates), grouped(b.rates)
             parts = [times(lag.cos, spin), times(lag.sin, f"{turn}**2")]
             terms.append(times(self.mass(a, b), grouped(parts)))
-        return summed([*terms, *(times(self.b(a), own) for own in self.held(a.phi))])
+        terms += self.sliding.moments(a)
+        return summed([*terms, *(times(first_moment(a, a), own) for own in self.held(a.phi))])
 
     def held(self, phi: Angle) -> Iterator[str]:
         """cos phi (ddy + g) - sin phi ddx, term by term."""
@@ -119,11 +134,20 @@ class Chain:
     def equations(self) -> dict[str, str]:
         """Name -> residual of each coordinate, in the order of `coordinates`."""
         found = {f"motion {axis}": self.of_base(axis) for axis in self.base}
-        for q in (body.q for body in self.bodies if body.q):
-            turned = [body for body in self.bodies if q in body.turning]
-            moments = [self.moments(a) for a in turned] if len(turned) == 1 else [moment_of(a) for a in turned]
-            found[f"motion {q}"] = summed([*moments, *(negative(own) for own in self.torques(q))])
+        for body in (body for body in self.bodies if body.q):
+            found[f"motion {body.q}"] = self.along(body) if body.slides else self.about(body.q)
         return found
+
+    def about(self, q: str) -> str:
+        """The sum of f_a over the links that turn with an angle, minus the torque, N m."""
+        turned = [body for body in self.bodies if q in body.turning]
+        moments = [self.moments(a) for a in turned] if len(turned) == 1 else [moment_of(a) for a in turned]
+        return summed([*moments, *(negative(own) for own in self.torques(q))])
+
+    def along(self, s: Body) -> str:
+        """The balance of a link that slides, minus the force, N."""
+        held = self.held(Angle(s.phi.parts, s.phi.turns - 1))  # e is e' of a right angle less
+        return summed([*self.sliding.balance(s, list(held)), *(negative(own) for own in self.pushes(s))])
 
     @property
     def named_moments(self) -> dict[str, str]:
@@ -145,9 +169,18 @@ class Chain:
                     across, up = force_names(force, number)
                     yield times(c, grouped([negative(times(body.phi.sin, across)), times(body.phi.cos, up)]))
 
+    def pushes(self, s: Body) -> Iterator[str]:
+        """What acts along a link that slides: its motor, its force, those from outside."""
+        yield control_of(s.link.motor, self.numbers[s.number])
+        yield s.constant("force") if s.link.force else ""
+        for number, force in enumerate(self.entry.forces):
+            if s.number in self.pushed(force, number):
+                across, up = force_names(force, number)
+                yield from (times(s.phi.cos, across), times(s.phi.sin, up))
+
     @property
     def numbers(self) -> list[int]:
-        """The number of each link's angle, from 1."""
+        """The number of each link's angle or distance, from 1."""
         count, found = 0, []
         for body in self.bodies:
             count += bool(body.q)
@@ -164,7 +197,8 @@ class Chain:
         along = 0 if axis == ACROSS else 1
         weight = [GRAVITY] if axis == UP and self.entry.gravity.text != "0" else []
         terms = [times(TOTAL, grouped([f"d{axis}[rate]", *weight]))]
-        terms += [times(self.b(a), grouped(self.accelerated(a, axis))) for a in self.bodies if a.rates]
+        terms += [times(first_moment(a, a), grouped(self.accelerated(a, axis))) for a in self.bodies if a.rates]
+        terms += [times(mass(s), grouped(slid(s, axis == ACROSS))) for s in self.sliding.links]
         if self.entry.cart and axis == ACROSS:
             own = [control_of(self.entry.cart.motor, 0), f"{CART_NAME}_force" if self.entry.cart.force else ""]
             terms += [negative(one) for one in own if one]
@@ -188,20 +222,31 @@ class Chain:
         ]
         return summed([*([axis] if axis in self.base else []), *own])
 
-    def velocity(self, point: Reach, axis: str) -> str:
-        """A coordinate of its velocity, m/s."""
+    def velocity(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
+        """A coordinate of its velocity, m/s; share: number of a link that slides -> what of the point it carries."""
         terms = [f"d{axis}"] if axis in self.base else []
         for a, c in point.items():
-            phi, turn = self.bodies[a].phi, grouped(self.bodies[a].rates)
-            if self.bodies[a].rates:
-                terms.append(times(c, negative(phi.sin) if axis == ACROSS else phi.cos, turn))
+            body = self.bodies[a]
+            across, up = body.phi.cos, body.phi.sin
+            along, side = (across, negative(up)) if axis == ACROSS else (up, across)
+            terms.append(times(c, side, grouped(body.rates)))
+            terms.append(times(share.get(a, "1"), along, f"d{body.q}") if body.slides else "")
         return summed(terms)
 
-    def acceleration(self, point: Reach, axis: str) -> str:
-        """A coordinate of its acceleration, m/s^2."""
+    def acceleration(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
+        """A coordinate of its acceleration, m/s^2; share: as of `velocity`."""
         terms = [f"d{axis}[rate]"] if axis in self.base else []
-        moving = [(c, self.bodies[a]) for a, c in point.items() if self.bodies[a].rates]
-        return summed([*terms, *(times(c, grouped(self.accelerated(body, axis))) for c, body in moving)])
+        for a, c in point.items():
+            body = self.bodies[a]
+            terms.append(times(c, grouped(self.accelerated(body, axis))) if body.rates else "")
+            terms.append(times(share.get(a, "1"), grouped(slid(body, axis == ACROSS))) if body.slides else "")
+        return summed(terms)
+
+    @property
+    def centre(self) -> tuple[Reach, dict[int, str]]:
+        """The centre of mass of all, and what of it each link that slides carries."""
+        point = {a.number: f"{first_moment(a, a)}/{TOTAL}" for a in self.bodies}
+        return point, {s.number: f"{mass(s)}/{TOTAL}" for s in self.sliding.links}
 
 
 def moment_of(a: Body) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
@@ -20,7 +21,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .bodies import control_of
 from .check import mistakes
-from .motion import ACROSS, CART_NAME, GRAVITY, TOTAL, UP, Chain, force_names
+from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .step import Step
 
 _WORD = re.compile(r"\w+")
@@ -32,6 +33,7 @@ _GIVEN = {
     "at": "where {} hangs",
     "turn": "turn of {} where it is fixed",
     "torque": "torque on {} beside its motor's",
+    "force": "force that pushes {} out, beside its motor's",
 }
 """Keys of a link that become named expressions -> their notes."""
 
@@ -144,6 +146,8 @@ class _Writer:
             if body := links.get(q):
                 path = ("model", "links", body.number)
                 meant = {"unit": "rad", "note": f"angle of {body.name}, counter-clockwise"}
+                if body.slides:
+                    meant = {"unit": "m", "note": f"how far {body.name} has slid out"}
             self.state(self.section("states"), ("states",), q, path, meant)
             for name, phase in phases.items() if isinstance(phases, dict) else ():
                 own = phase.get("states") if isinstance(phase, dict) else None
@@ -180,7 +184,7 @@ class _Writer:
             yield name, "N", f"force on the {CART_NAME}"
         for body, number in zip(self.chain.bodies, self.chain.numbers, strict=True):
             if name := control_of(body.link.motor, number):
-                yield name, "N*m", f"torque on {body.name}"
+                yield name, *(("N", f"force on {body.name}") if body.slides else ("N*m", f"torque on {body.name}"))
 
     def numbers(self) -> None:
         """What the file gives of each link, and what a uniform rod has."""
@@ -218,14 +222,17 @@ class _Writer:
     def points(self) -> None:
         """x and y of all tips; their rates, and the same of the centre of mass, where the file names them."""
         chain = self.chain
-        centre = {a.number: f"{chain.b(a)}/{TOTAL}" for a in chain.bodies}
-        places = [(body.name, body.tip, f"the tip of {body.name}") for body in chain.bodies]
-        asked = {"": chain.position, "v": chain.velocity, "a": chain.acceleration}
-        for name, point, what in [*places, ("com", centre, "the centre of mass")]:
+        places = [(body.name, (body.tip, ALL), f"the tip of {body.name}") for body in chain.bodies]
+        for name, (point, share), what in [*places, ("com", chain.centre, "the centre of mass")]:
+            asked = {
+                "": ("", partial(chain.position, point)),
+                "v": ("velocity of ", partial(chain.velocity, point, share=share)),
+                "a": ("acceleration of ", partial(chain.acceleration, point, share=share)),
+            }
             for axis in (ACROSS, UP):
-                for kind, told in (("", ""), ("v", "velocity of "), ("a", "acceleration of ")):
+                for kind, (told, coordinate) in asked.items():
                     if (output := f"{name}_{kind}{axis}") in self.words or not (kind or name == "com"):
-                        self.define(output, asked[kind](point, axis), ("model",), f"{axis} of {told}{what}")
+                        self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}")
 
     def residuals(self) -> None:
         given = self.data.get("residuals") or []
@@ -258,7 +265,7 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
     if chain.entry.step:
         yield {"ground": 0}
     for body in chain.bodies:
-        ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.joint, body.tip)]
+        ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
         yield {"line": ends, "name": body.name}
     tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
     yield {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}

@@ -28,7 +28,9 @@ BASE = "base"
 """The name of what the first link hangs on, for `parent:`."""
 
 ABSOLUTE, RELATIVE = "absolute", "relative"
-REVOLUTE = "revolute"
+REVOLUTE, PRISMATIC, WELDED = "revolute", "prismatic", "fixed"
+"""The kinds of joints: a link turns about it, slides through it, or neither."""
+
 MAX_LINKS = 30
 MAX_FORCES = 100
 
@@ -70,12 +72,14 @@ class CartEntry(Driven):
 
 
 class ChainLink(Driven):
-    """A rigid link. It turns about a joint on the link before it, or is fixed there."""
+    """A rigid link. It turns about a joint on the link before it, slides through it along itself, or is fixed there."""
 
     name: Word = Field("", description="its name; default link1, link2, ... in order")
     parent: Text = Field("", description="name of the link that it hangs on, or base; default the link before it")
     at: Formula | None = Field(None, description="where on that link, as a distance from its joint; default its length")
-    joint: Literal["revolute", "fixed"] = Field("revolute", description="revolute (default), or fixed, as if welded")
+    joint: Literal["revolute", "prismatic", "fixed"] = Field(
+        "revolute", description="revolute (default): turns; prismatic: slides along itself; fixed: as if welded"
+    )
     mass: Formula = Field(description="a number or an expression of parameters, kg")
     length: Formula = Field(
         description="a number or an expression of parameters, m: from its joint to its tip, where the next link hangs"
@@ -90,9 +94,17 @@ class ChainLink(Driven):
     zero: Literal["up", "down", "right", "left"] | None = Field(
         None, description="where it points with an angle of zero; default that of the chain"
     )
-    turn: Formula | None = Field(None, description="of a fixed joint: the angle from the link before it; default 0")
+    distance: Word = Field(
+        "", description="of a prismatic joint: name of the state that is how far the link has slid out; its rate is dq1"
+    )
+    turn: Formula | None = Field(
+        None, description="of a joint that does not turn: the angle from the link before it; default 0"
+    )
     torque: Formula | None = Field(
         None, description="a torque on it from the link before it, beside the motor's: springs, damping, limits"
+    )
+    force: Formula | None = Field(
+        None, description="of a prismatic joint: a force that pushes it out, beside the motor's: springs, damping"
     )
 
 

@@ -76,11 +76,43 @@ CHAINS = [
         "length: 0.2",
         "length: 0.2, joint: fixed, motor: true",
         "model.links.1.motor",
-        "does not turn",
+        "the joint is fixed, which has no motor; remove motor:, or write joint: revolute or joint: prismatic",
     ),
     chain("a turn of a joint that turns", "length: 0.2", "length: 0.2, turn: 1", "model.links.1.turn", "joint: fixed"),
     chain(
-        "an unknown joint", "length: 0.2", "length: 0.2, joint: ball", "model.links.1.joint", "'revolute' or 'fixed'"
+        "a torque on a link that slides",
+        "length: 0.2",
+        "length: 0.2, joint: prismatic, torque: 1",
+        "model.links.1.torque",
+        "the joint is prismatic, which has no torque; remove torque:, or write joint: revolute",
+    ),
+    chain(
+        "a force along a joint that turns",
+        "length: 0.2",
+        "length: 0.2, force: 1",
+        "model.links.1.force",
+        "joint: prism",
+    ),
+    chain(
+        "a direction of a link that slides",
+        "length: 0.2",
+        "length: 0.2, joint: prismatic, zero: up",
+        "model.links.1.zero",
+        "write turn:, the angle between both",
+    ),
+    chain(
+        "two distances of one name",
+        "length: 0.2",
+        "length: 0.2, joint: prismatic, distance: q1",
+        "model.links.1.distance",
+        "two coordinates are called q1",
+    ),
+    chain(
+        "an unknown joint",
+        "length: 0.2",
+        "length: 0.2, joint: ball",
+        "model.links.1.joint",
+        "'revolute', 'prismatic' or 'fixed'",
     ),
     chain(
         "a link on no link",
@@ -159,7 +191,11 @@ CHAINS = [
         line=10,
     ),
     chain(
-        "one angle twice", "length: 0.2", "length: 0.2, angle: q1", "model.links.1.angle", "two angles are called q1"
+        "one angle twice",
+        "length: 0.2",
+        "length: 0.2, angle: q1",
+        "model.links.1.angle",
+        "two coordinates are called q1",
     ),
     chain(
         "an angle called as the cart", "length: 0.2", "length: 0.2, angle: x", "model.links.1.angle", "another state"

@@ -10,7 +10,7 @@ ZERO = {"right": 0, "up": sp.pi / 2, "left": sp.pi, "down": -sp.pi / 2}
 
 @dataclass
 class Link:
-    """on: index of the link that it hangs on, -1 for the base. turn: of a fixed joint, None where it turns."""
+    """on: index of the link that it hangs on, -1 for the base. turn: of a joint that does not turn."""
 
     m: float
     l: float  # noqa: E741
@@ -21,6 +21,12 @@ class Link:
     zero: str = "down"
     turn: float | None = None
     torque: float = 0.0
+    slides: bool = False
+    force: float = 0.0
+
+    @property
+    def moves(self) -> bool:
+        return self.slides or self.turn is None
 
 
 @dataclass
@@ -60,6 +66,10 @@ class Robot:
                 origin = tuple(
                     p + along * e for p, e in zip(joints[link.on], (sp.cos(before), sp.sin(before)), strict=True)
                 )
+            if link.slides:
+                slid = moving.pop(0)
+                work += link.force * slid
+                origin = tuple(p + slid * e for p, e in zip(origin, (sp.cos(angle), sp.sin(angle)), strict=True))
             joints.append(origin)
             angles.append(angle)
             x, y = (p + link.d * e for p, e in zip(origin, (sp.cos(angle), sp.sin(angle)), strict=True))

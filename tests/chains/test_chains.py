@@ -77,6 +77,17 @@ def test_the_cart_pole_is_a_chain():
     assert solved(CARTPOLE).objective == pytest.approx(by_hand.objective, rel=1e-11)
 
 
+def test_a_cart_is_a_link_that_slides():
+    """The same cart-pole, its cart on a rail; and the path of its tip."""
+    rail = CARTPOLE.replace("  base: cart\n", "").replace("  cart: {mass: m1, motor: true}\n", "").replace(
+        "links: [", "links: [{joint: prismatic, zero: right, mass: m1, length: 1, distance: x, motor: u0}, "
+    ).replace("{mass: m2,", "{at: 0, angle: q1, mass: m2,")  # fmt: skip
+    assert "base: cart" not in rail
+    on_rail, on_cart = solved(rail), solved(CARTPOLE)
+    assert on_rail.objective == pytest.approx(on_cart.objective, rel=1e-11)
+    assert on_rail["link2_x"](1.3) == pytest.approx(on_cart["link1_x"](1.3), abs=1e-8)
+
+
 def test_the_acrobot_is_a_chain():
     by_hand = solved(ACROBOT + BY_HAND)
     assert solved(ACROBOT + BY_CHAIN).objective == pytest.approx(by_hand.objective, rel=1e-11)

@@ -23,8 +23,10 @@ def model(robot: Robot) -> str:
         on = "base" if link.on < 0 else f"b{link.on}"
         keys = [f"name: b{i}, mass: {link.m}, length: {link.l}, com: {link.d}, inertia: {link.I}, parent: {on}"]
         keys += [f"at: {link.at}"] * (link.at is not None)
-        keys += [f"joint: fixed, turn: {link.turn}"] * (link.turn is not None)
-        keys += [f"zero: {link.zero}"] * (link.turn is None and not (robot.relative and link.on >= 0))
+        joint = f"prismatic, force: {link.force}" if link.slides else "fixed"
+        keys += [f"joint: {joint}, turn: {link.turn}"] * (link.turn is not None)
+        pointed = link.on < 0 if link.slides else link.turn is None and not (robot.relative and link.on >= 0)
+        keys += [f"zero: {link.zero}"] * pointed
         keys += [f"torque: {link.torque}"] * (link.torque != 0)
         lines.append(f"    - {{{', '.join(keys)}}}\n")
     lines += ["  forces:\n"] * bool(robot.forces)
@@ -91,6 +93,36 @@ ROBOTS = {
         g=1.62,
         forces=[(1, 0.5, 3.0, 4.0)],
     ),
+    "an arm that slides out": Robot(
+        [Link(1.3, 0.7, 0.3, 0.05, torque=1.1), Link(0.8, 0.5, 0.2, 0.02, on=0, turn=0, slides=True, force=2.3)],
+        forces=[(1, 0.4, 3.0, 4.0)],
+    ),
+    "two slides, one across the other, and an arm on them": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05, zero="right", turn=0.2, slides=True, force=-1.0),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, at=0.3, turn=1.4, slides=True, force=0.7),
+            Link(0.4, 0.3, 0.1, 0.01, on=1, at=0.0, torque=0.9),
+            Link(0.3, 0.2, 0.1, 0.005, on=1, torque=-0.4),
+        ]
+    ),
+    "legs that slide and turn, in flight": Robot(
+        [
+            Link(1.3, 0.7, 0.3, 0.05, zero="up"),
+            Link(0.8, 0.5, 0.2, 0.02, on=0, torque=2.0),
+            Link(0.4, 0.3, 0.1, 0.01, on=1, turn=0.0, slides=True, force=5.0),
+            Link(0.3, 0.2, 0.1, 0.005, on=2, torque=-0.4),
+            Link(0.2, 0.2, 0.1, 0.005, on=3, at=0.1, turn=-0.5, slides=True, force=-1.5),
+        ],
+        base="floating",
+        relative=True,
+        forces=[(4, 0.15, 1.2, -0.7)],
+    ),
+    "a hoist on a cart": Robot(
+        [Link(0.1, 0.2, 0.1, 0.01), Link(2.0, 0.3, 0.15, 0.02, on=0, at=0.0, turn=0.0, slides=True, force=-18.0)],
+        base="cart",
+        cart=3.0,
+        push=4.0,
+    ),
     "in a horizontal plane": Robot([Link(1.3, 0.7, 0.3, 0.05), Link(0.8, 0.5, 0.2, 0.02, on=0)], g=0.0),
 }
 
@@ -98,16 +130,17 @@ ROBOTS = {
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_equations_are_those_of_lagrange(name):
     robot, rng = ROBOTS[name], np.random.default_rng(3)
-    moving = sum(link.turn is None for link in robot.links) + {"fixed": 0, "cart": 1, "floating": 2}[robot.base]
+    moving = sum(link.moves for link in robot.links) + {"fixed": 0, "cart": 1, "floating": 2}[robot.base]
     for _ in range(3):
         q, dq, ddq = rng.uniform(-2, 2, (3, moving))
         found = residuals(model(robot), q, dq, ddq)
         assert found == pytest.approx(robot.residuals(q, dq, ddq), rel=1e-11, abs=1e-11)
 
 
-def test_a_moving_tip_and_the_centre_of_mass():
+@pytest.mark.parametrize("robot", ["a tree of relative angles that flies", "legs that slide and turn, in flight"])
+def test_a_moving_tip_and_the_centre_of_mass(robot):
     """Positions, velocities and accelerations of points against finite differences along a motion."""
-    robot = ROBOTS["a tree of relative angles that flies"]
+    robot = ROBOTS[robot]
     asked = [f"{name}_{kind}{axis}" for name in ("b3", "com") for kind in ("", "v", "a") for axis in "xy"]
     text = (
         model(robot)
@@ -117,7 +150,7 @@ def test_a_moving_tip_and_the_centre_of_mass():
     (phase,) = build(load_text(HEAD + text, "chain.yaml")).phases
     rows = dict(zip(asked, phase.path, strict=True))
     rng = np.random.default_rng(5)
-    q, dq, ddq = rng.uniform(-2, 2, (3, 5))
+    q, dq, ddq = rng.uniform(-2, 2, (3, 2 + sum(link.moves for link in robot.links)))
     step = 1e-4
 
     def at(time, name):
