@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 from math import inf
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Lookup, Name, Node, Operation, leaves, nodes
+from ..expressions.tree import Chain, Lookup, Name, Node, Operation
 from ..measured import compared
 from ..models import find_model
 from ..names.delays import parameters_of
-from ..names.occurrences import constraints, uses
+from ..names.occurrences import constraints
 from ..names.roles import ALGEBRAIC, CONTROL, TABLE
 from ..names.symbols import Symbols
 from ..schema.spec import Spec
@@ -29,17 +29,19 @@ def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     yield from _degrees(spec, symbols)
 
 
-def _in(expression: Expression, symbols: Symbols) -> list[Node]:
-    """The roots of an expression and of all definitions that it needs."""
-    bound = symbols.function(expression)
-    return [bound.root, *(definition.root for definition, _ in bound.steps.values())]
+def _in(expression: Expression, symbols: Symbols) -> list[Expression]:
+    """An expression and all definitions that it needs."""
+    return [expression, *(definition for definition, _ in symbols.function(expression).steps.values())]
 
 
 def _moves_nothing(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Controls that stand in the objective at most."""
-    moved = [use for use in uses(spec) if use.path[0] in ("states", "residuals", "constraints")]
-    named = {leaf.name for use in moved for root in _in(use.expression, symbols) for leaf in leaves(root)}
-    used = {leaf.name for use in uses(spec) for root in _in(use.expression, symbols) for leaf in leaves(root)}
+    named, used = set[str](), set[str]()
+    for use in symbols.uses:
+        names = {leaf.name for part in _in(use.expression, symbols) for leaf in part.leaves}
+        used |= names
+        if use.path[0] in ("states", "residuals", "constraints"):
+            named |= names
     for control in symbols.controls:
         if control.name in used - named:
             what = f"the control {control.name} stands in no rate, so it moves nothing"
@@ -71,9 +73,9 @@ def _in_no_time(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     if symbols.function(terms.terminal).names - {"t[initial]"} != {"t[final]"}:
         return
     limited = {
-        leaf.name for _, own in constraints(spec) for root in _in(own.expression, symbols) for leaf in leaves(root)
+        leaf.name for _, own in constraints(spec) for part in _in(own.expression, symbols) for leaf in part.leaves
     }
-    rates = [root for state in symbols.states if (own := _rate(state.entry)) for root in _in(own, symbols)]
+    rates = [part.root for state in symbols.states if (own := _rate(state.entry)) for part in _in(own, symbols)]
     for control in symbols.controls:
         bounds = symbols.range(control.entry)
         free = bounds.lower == -inf and bounds.upper == inf and control.name not in limited
@@ -104,8 +106,8 @@ def _degrees(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     angles = {own.name: own.path for own in variables if _unit(own.entry) in DEGREES}
     angles |= {name: ("parameters", name) for name, own in spec.parameters.items() if own.unit.strip() in DEGREES}
     told = set()
-    for use in uses(spec):
-        for node in nodes(use.expression.root):
+    for use in symbols.uses:
+        for node in use.expression.nodes:
             if not (isinstance(node, Operation) and node.symbol in _ANGLED):
                 continue
             for name in _summed(node.operands[0]):
@@ -148,9 +150,9 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     symbols: of it.
     called: keys of the functions that it called before.
     """
-    used = [node for use in uses(spec) for node in nodes(use.expression.root)]
+    used = [node for use in symbols.uses for node in use.expression.nodes]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
-    named |= parameters_of(uses(spec))
+    named |= parameters_of(symbols.uses)
     if spec.shipped:
         model = find_model(spec.shipped)
         named |= {*model.parameters, *model.controls, *model.algebraic}

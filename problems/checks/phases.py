@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
-from ..expressions.tree import Operation, leaves, nodes
+from ..expressions.tree import Operation
 from ..language.functions import called_functions
 from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
@@ -143,7 +143,7 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
     """The names in everything that is about the ends of several phases."""
     for path, expression, constant in _uses(spec):
         yield from between.findings(path, expression, constant)
-        for node in nodes(expression.root):
+        for node in expression.nodes:
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not constant:
                 what = f"{node.symbol} is not smooth, and nonsmooth: is about expressions of one phase"
                 yield Finding(path, what, _SMOOTH)
@@ -262,7 +262,7 @@ def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding], ca
         *(expression for _, expression, _ in _uses(spec)),
         *(v for row in spec.guess.keyframes.values() for v in row),
     ]
-    used = {name.name.rpartition(".")[2] for expression in written for name in leaves(expression.root)} | called
+    used = {name.name.rpartition(".")[2] for expression in written for name in expression.leaves} | called
     seen: dict[Finding, int] = {}
     for warning in warnings:
         seen[warning] = seen.get(warning, 0) + 1

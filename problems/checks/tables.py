@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from ..names.lookups import Kept, kept
-from ..names.occurrences import SOLVED, uses
+from ..names.occurrences import SOLVED
 from ..names.symbols import Symbols
 from ..quantities import Range
 from ..schema.spec import Spec
@@ -22,7 +22,7 @@ _REMEDY = "change that, add points to the table, or write outside: hold or extra
 def beyond_tables(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Arguments of tables that cannot stay within the points; spec: otherwise without mistakes."""
     variables = {v.name: v for v in (*symbols.states, *symbols.controls, *symbols.algebraic)}
-    for use in uses(spec):
+    for use in symbols.uses:
         if use.context not in SOLVED or use.path[0] == "expressions":
             continue
         for own in kept(symbols.function(use.expression)):

@@ -8,13 +8,12 @@ from ..expressions.expression import Expression
 from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import RESERVED
-from ..expressions.tree import leaves
 from ..language.functions import called_functions
 from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..language.times import TimeParameter
 from ..models import find_model
-from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names, uses
+from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
 from ..names.variables import Declared, DeclaredState
@@ -153,7 +152,7 @@ class _Checker:
 
     def constants(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
-        for path, expression, context in uses(self.spec):
+        for path, expression, context in self.symbols.uses:
             if path[0] in ("parameters", "expressions") or not self.symbols.sound(path, expression):
                 continue
             if fault := self.symbols.fault(expression):
@@ -163,10 +162,10 @@ class _Checker:
 
     def varying_at_ends(self) -> None:
         """A named expression that varies in time needs [initial] or [final] at the boundary; a constant one none."""
-        for path, expression, context in uses(self.spec):
+        for path, expression, context in self.symbols.uses:
             if context != BOUNDARY:
                 continue
-            for name in leaves(expression.root):
+            for name in expression.leaves:
                 if name.name not in self.symbols.definitions:
                     continue
                 varies = name.name in self.symbols.varying

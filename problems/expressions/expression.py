@@ -22,7 +22,7 @@ from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT
 from .smooth import STAND_INS
 from .tokens import ExpressionError
-from .tree import Chain, External, Link, Lookup, Name, Node, Number, Operation, leaves, parse_tree
+from .tree import Chain, External, Link, Lookup, Name, Node, Number, Operation, nodes, parse_tree
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -94,9 +94,14 @@ class Expression:
         return None
 
     @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """Every node of the tree, from the left: kept, as checks walk through a definition again and again."""
+        return tuple(nodes(self.root))
+
+    @cached_property
     def leaves(self) -> tuple[Name, ...]:
-        """Every name in the text, from the left: kept, as a definition is walked through for each that stands on it."""
-        return tuple(leaves(self.root))
+        """Every name in the text, from the left."""
+        return tuple(node for node in self.nodes if isinstance(node, Name))
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -288,7 +293,7 @@ class _Audit(_Walk):
         if not np.any(bad):
             return
         index, values = int(np.argmax(bad)), {}
-        for name in leaves(self.expression.root):
+        for name in self.expression.leaves:
             key = self.key(name.name, name.end or self.end)
             if node.start <= name.start and name.stop <= node.stop and self.known(key) is not None:
                 array = np.ravel(self.known(key))

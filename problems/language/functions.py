@@ -221,7 +221,7 @@ def _varying(spec: Spec) -> set[str]:
     found |= {entry.velocity_of(name) for name, entry in spec.states.items() if entry.second_order}
     if model:
         found |= {*model.states, *model.controls, *model.algebraic}
-    waiting = {name: {leaf.name for leaf in leaves(entry.value.root)} for name, entry in spec.expressions.items()}
+    waiting = {name: {leaf.name for leaf in entry.value.leaves} for name, entry in spec.expressions.items()}
     while new := {name for name, needs in waiting.items() if needs & found}:
         found |= new
         waiting = {name: needs for name, needs in waiting.items() if name not in new}

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Name, Node, Number, leaves
+from ..expressions.tree import Name, Node, Number
 from ..names.troubles import INTEGRAL
 from ..schema.declarations import EndValue, IntegralState
 from ..schema.phases import PhaseEntry
@@ -42,7 +42,7 @@ def integrals_as_states(spec: Spec) -> tuple[Spec, list[Finding]]:
 
     def expression(path: Path, old: Expression) -> Expression:
         at_ends = path[:2] == ("constraints", "boundary") or path[-1] == "terminal"
-        if not at_ends or not any(_value_of(name, spec) for name in leaves(old.root)):
+        if not at_ends or not any(_value_of(name, spec) for name in old.leaves):
             return old
         return replace(old, root=mapped(old.root, lambda name: _at_end(name) if _value_of(name, spec) else name))
 

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from ..expressions.expression import parse
 from ..expressions.slips import MAX_LENGTH
 from ..expressions.tokens import ExpressionError
-from ..expressions.tree import leaves
 from ..text import brief, did_you_mean
 from ..yaml.document import MAX_NODES, Path, in_words
 from ..yaml.locations import Finding
@@ -265,7 +264,7 @@ def whole(text: str, values: Values, numbers: Values) -> int:
     except ExpressionError as error:
         raise Mistaken(error.what, error.remedy) from error
     known = {**numbers, **values}
-    for leaf in leaves(expression.root):
+    for leaf in expression.leaves:
         if not isinstance(known.get(leaf.name), int):
             what = f"{leaf.name} is {'a word' if leaf.name in known else 'no variable of a loop'}"
             otherwise = "name a variable of the loop, or a parameter that is a whole number"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Name, Node, leaves, placed, rate_of
+from ..expressions.tree import Name, Node, placed, rate_of
 from ..schema.spec import Spec
 from ..yaml.document import Path
-from .walk import changed, mapped
+from .walk import changed, expressions_of, mapped
 
 _OVER_TIME = (
     "expressions",
@@ -29,12 +29,12 @@ def rates_written_out(spec: Spec) -> Spec:
     spec: of one phase, calls of functions written out.
     """
     rates = _given(spec)
-    if not rates:
+    if not any(leaf.name in rates for _, own in expressions_of(spec) for leaf in own.leaves):
         return spec
 
     def expression(path: Path, old: Expression) -> Expression:
         at_ends = path[:2] == ("constraints", "boundary") or path[-1] == "terminal" or path[0] not in _OVER_TIME
-        if at_ends or not any(leaf.name in rates for leaf in leaves(old.root)):
+        if at_ends or not any(leaf.name in rates for leaf in old.leaves):
             return old
         within = frozenset([rate_of(str(path[1]))] if path[0] == "states" else [])
         return replace(old, root=_replaced(old.root, rates, within))

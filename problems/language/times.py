@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ..expressions.expression import Expression
 from ..expressions.slips import ENDS
-from ..expressions.tree import Chain, Link, Name, Node, leaves
+from ..expressions.tree import Chain, Link, Name, Node
 from ..schema.declarations import Static
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -71,7 +71,7 @@ def beyond_parameter(parameter: str, end: str) -> Expression:
 
 
 def _stands_in(expression: Expression, end: str) -> bool:
-    return any(name.name == TIME and name.end == end for name in leaves(expression.root))
+    return any(name.name == TIME and name.end == end for name in expression.leaves)
 
 
 def _over_time(path: Path) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, Node, below, rebuilt
-from ..schema.fields import Entry
+from ..schema.fields import Entry, held
 from ..schema.spec import Spec
 from ..yaml.document import Path
 
@@ -29,9 +29,7 @@ def expressions_of(spec: Spec) -> Iterator[tuple[Path, Expression]]:
 def _below(path: Path, value: Any) -> Iterator[tuple[Path, Expression]]:
     if isinstance(value, Expression):
         yield path, value
-        return
-    items = value if isinstance(value, Entry) else value.items() if isinstance(value, dict) else ()
-    for key, inner in enumerate(value) if isinstance(value, list) else items:
+    for key, inner in held(value):
         yield from _below((*path, key), inner)
 
 

@@ -10,7 +10,7 @@ from ..expressions.delays import Delay, delay_of
 from ..expressions.expression import Expression, parse
 from ..expressions.functions import FUNCTIONS
 from ..expressions.tokens import ExpressionError
-from ..expressions.tree import Chain, Node, leaves
+from ..expressions.tree import Chain, Node
 from ..text import did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -35,9 +35,9 @@ def parameters_of(uses: Iterable[Use]) -> set[str]:
     """The names that stand in the delays of expressions."""
     found = set()
     for use in uses:
-        for leaf in leaves(use.expression.root):
+        for leaf in use.expression.leaves:
             if (delay := delay_of(leaf.name)) and (lag := _lag(delay)):
-                found |= {name.name for name in leaves(lag.root)}
+                found |= {name.name for name in lag.leaves}
     return found
 
 
@@ -57,7 +57,7 @@ def delayed_states(
     found: dict[str, DelayedState] = {}
     known = set(states)
     for use in uses:
-        for leaf in leaves(use.expression.root):
+        for leaf in use.expression.leaves:
             delay = delay_of(leaf.name)
             if delay is None or delay.state not in known or use.context != TRAJECTORY or delay.name in found:
                 continue

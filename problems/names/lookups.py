@@ -37,7 +37,7 @@ def misused(expression: Expression, tables: Mapping[str, Table]) -> list[tuple[s
     tables: those without mistakes.
     """
     found: list[tuple[str, str] | None] = []
-    for node in nodes(expression.root):
+    for node in expression.nodes:
         if not isinstance(node, Lookup):
             continue
         table = tables.get(node.table)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
-from ..schema.fields import Entry
+from ..schema.fields import Entry, held
 from ..schema.phases import LinkEntry
 from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
@@ -28,6 +28,7 @@ is measured at some times only."""
 _SECTIONS = ("time", "states", "controls", "algebraic", "optimize", "nonsmooth", "guess")
 _DYNAMICS = ("rate", "next", "accel")
 _OVER_TIME = ("formulas", "simulate")  # of a guess
+_NO_CONSTANTS = frozenset((*_DYNAMICS, *_OVER_TIME, HISTORY))
 
 
 class Use(NamedTuple):
@@ -110,24 +111,16 @@ def _constants(value: object, path: Path) -> Iterator[Use]:
     """The expressions below a path, but for the dynamics."""
     if isinstance(value, Expression):
         yield Use(path, value, CONSTANT)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _constants(item, (*path, i))
-    elif isinstance(value, dict):
-        for key, item in value.items():
+    for key, item in held(value):
+        if not (isinstance(value, Entry) and key in _NO_CONSTANTS):
             yield from _constants(item, (*path, key))
-    elif isinstance(value, Entry):
-        for key, item in value:
-            if key not in (*_DYNAMICS, *_OVER_TIME, HISTORY):
-                yield from _constants(item, (*path, key))
 
 
 def _drawn(value: object, path: Path) -> Iterator[tuple[Path, Expression]]:
     """The expressions of a drawing."""
     if isinstance(value, Expression):
         yield path, value
-    items = value if isinstance(value, Entry) else enumerate(value) if isinstance(value, list) else ()
-    for key, item in items:
+    for key, item in held(value):
         yield from _drawn(item, (*path, key))
 
 

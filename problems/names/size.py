@@ -6,11 +6,11 @@ from collections.abc import Collection, Hashable, Iterator
 from typing import NamedTuple
 
 from ..expressions.functions import FUNCTIONS
-from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation, below, leaves, skeleton
+from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation, below, skeleton
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .occurrences import CONSTANT, uses
+from .occurrences import CONSTANT
 from .symbols import Symbols
 
 WIDE = 16  # factors; dynamics that people write have fewer in a product, and most computer algebra gives fewer too
@@ -35,7 +35,7 @@ def too_large(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     known: dict[str, _Size] = {}
     lengths: dict[str, int] = {}
     for name, definition in symbols.definitions.items():  # after those that they refer to
-        lengths[name] = 1 + max((lengths.get(leaf.name, 0) for leaf in leaves(definition.root)), default=0)
+        lengths[name] = 1 + max((lengths.get(leaf.name, 0) for leaf in definition.leaves), default=0)
         if lengths[name] > LONGEST:
             what = f"it stands for names that stand for names, more than {LONGEST} in a row"
             yield Finding(("expressions", name), what, "write some of them out in others")
@@ -43,7 +43,7 @@ def too_large(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         known[name] = _Walk(known, symbols.numbers).node(definition.root)
     widest: dict[Path, int] = {}
     wide: list[int] = []
-    for use in uses(spec):
+    for use in symbols.uses:
         if use.context == CONSTANT:
             continue
         walk = _Walk(known, symbols.numbers)

@@ -76,7 +76,7 @@ class Symbols:
     states at earlier times, by name. equations: those of the model, None without one. definitions: the expressions that
     others may refer to, each after those that it refers to; `varying` are those that vary in time, `fixed` holds the
     numbers and the values of the expressions of parameters alone. findings: mistakes met on the way; without them, all
-    of these are complete. origin: where the file has what stands at a path of the spec.
+    of these are complete. uses: every expression of the spec. origin: where the file has what stands at a path of it.
     """
 
     def __init__(self, spec: Spec, origin: Origin = tuple):
@@ -109,10 +109,11 @@ class Symbols:
         self._wrong: set[Path] = set()
         self._outputs_unknown = False
         self.equations: Equations | None = None
-        self._check_all_names(use for use in uses(spec) if use.path[0] == "parameters")
+        self.uses = tuple(uses(spec))
+        self._check_all_names(use for use in self.uses if use.path[0] == "parameters")
         self._units = {name: p.unit for name, p in spec.parameters.items()}
         self._evaluate_parameters({name: p.value for name, p in spec.parameters.items()})
-        own = [use for use in uses(spec) if use.path[0] != "parameters"]
+        own = [use for use in self.uses if use.path[0] != "parameters"]
         names = [state.name for state in self.states]
         self.delayed = delayed_states(own, names, self._known, self.findings)
         self.roles |= dict.fromkeys(self.delayed, DELAYED)
@@ -125,7 +126,7 @@ class Symbols:
         """Whether the expression refers only to what is known, so that it can be evaluated."""
         return path not in self._wrong and all(
             self.roles[n.name] in (*VARYING, "static parameter") or n.name in self.numbers or n.name in self.definitions
-            for n in leaves(expression.root)
+            for n in expression.leaves
         )
 
     def function(
@@ -186,7 +187,7 @@ class Symbols:
         return self._of_fixed(expression).fault({})
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
-        return {n.name: self.fixed[n.name] for n in leaves(expression.root) if n.name in self.fixed}
+        return {n.name: self.fixed[n.name] for n in expression.leaves if n.name in self.fixed}
 
     def _check_all_names(self, found: Iterable[Use]) -> None:
         for use in found:
@@ -194,7 +195,7 @@ class Symbols:
 
     def _check_names(self, use: Use) -> None:
         seen = set()
-        for name in leaves(use.expression.root):
+        for name in use.expression.leaves:
             if name.name not in self.roles and self._outputs_unknown:
                 self._wrong.add(use.path)
                 continue
@@ -221,7 +222,7 @@ class Symbols:
 
     def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
         """The names of a group, each after those that its expression refers to; those in a circle are left out."""
-        graph = {name: {n.name for n in leaves(e.root)} & expressions.keys() for name, e in expressions.items()}
+        graph = {name: {n.name for n in e.leaves} & expressions.keys() for name, e in expressions.items()}
         order, circles = untangle(graph)
         for circle in circles:
             what = f"{' -> '.join(circle[:10])} is a circle: each is defined by the next"
@@ -248,8 +249,8 @@ class Symbols:
             expression = expressions[name]
             if not self.sound(("expressions", name), expression):
                 continue
-            inner = {n.name for n in leaves(expression.root)}
-            sizes[name] = count(expression.root) + sum(sizes.get(n.name, 0) for n in leaves(expression.root))
+            inner = {n.name for n in expression.leaves}
+            sizes[name] = count(expression.root) + sum(sizes.get(n.name, 0) for n in expression.leaves)
             if sizes[name] > MAX_SIZE:
                 what = f"written out, this expression has more than {MAX_SIZE} terms"
                 self.findings.append(Finding(("expressions", name), what, "refer to fewer expressions in it"))

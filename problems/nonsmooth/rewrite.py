@@ -20,7 +20,7 @@ from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
-from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names, uses
+from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names
 from ..names.symbols import Symbols
 from ..quantities import Range, Variable
 from ..schema.sections import Nonsmooth
@@ -69,7 +69,7 @@ class Consistent:
 
 def untreated(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The occurrences of abs, min and max in a file that does not say how they become consistent."""
-    for path, expression, context in uses(spec):
+    for path, expression, context in symbols.uses:
         found = next(occurrences(expression.root, symbols), None)
         if found is not None and context in SOLVED and spec.nonsmooth is None:
             where = excerpt(expression.text, found.start, found.stop)
@@ -107,7 +107,7 @@ class _Smooth:
 
     def run(self) -> Consistent:
         definitions = {name: self.definition(name, e) for name, e in self.symbols.definitions.items()}
-        for use in uses(self.spec):
+        for use in self.symbols.uses:
             if use.context in SOLVED and use.path[0] != "expressions":
                 self.found.expressions[use.path] = self.expression(use)
         self.found.definitions = definitions
@@ -250,7 +250,7 @@ class _Slack(_Smooth):
             for inner, slope in zip(below(node), self.monotone.slopes(node), strict=True):
                 spread(inner, product_of_signs(signs, slope))
 
-        for use in uses(self.spec):
+        for use in self.symbols.uses:
             if use.context == TRAJECTORY and use.path[0] != "expressions":
                 spread(use.expression.root, self._wanted_of(use))
         # from the last: what refers to a definition comes after it, so that its own signs are complete by then

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, External, Link, Name, Node, below, leaves, rebuilt
+from ..expressions.tree import Chain, External, Link, Name, Node, below, rebuilt
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
@@ -54,7 +54,7 @@ class Between:
         constant: whether it must be known before the solution is, as a bound.
         """
         troubles = {}
-        for name in leaves(expression.root):
+        for name in expression.leaves:
             if (trouble := self._trouble(name, constant)) is not None:
                 troubles[name.name, name.end] = trouble
         yield from (Finding(path, *trouble) for trouble in troubles.values())

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
-from ..expressions.tree import Chain, Link, Number, leaves
+from ..expressions.tree import Chain, Link, Number
 from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
@@ -183,7 +183,7 @@ def _drawn(spec: Spec, named: Mapping[str, Mapping[str, Any]]) -> list[ShapeEntr
 def _names_in(value: Any) -> set[str]:
     """The names in all expressions of a shape."""
     if isinstance(value, Expression):
-        return {leaf.name for leaf in leaves(value.root)}
+        return {leaf.name for leaf in value.leaves}
     parts = [item for _, item in value] if isinstance(value, Entry) else value if isinstance(value, list) else []
     return set().union(*map(_names_in, parts))
 

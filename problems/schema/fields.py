@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
+from types import NoneType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 from pydantic import (
@@ -239,6 +241,21 @@ class Entry(BaseModel):
     def _unfold(cls, data: Any) -> Any:
         """The long form of a short one."""
         return data
+
+
+_PLAIN = frozenset((str, int, float, bool, NoneType))
+
+
+def held(value: object) -> list[tuple[str | int, Any]]:
+    """The values that an entry, a mapping or a list holds, with their keys, without plain texts and numbers."""
+    items: Iterable[tuple[str | int, Any]] = ()
+    if isinstance(value, Entry):
+        items = value.__dict__.items()
+    elif isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    return [(key, inner) for key, inner in items if type(inner) not in _PLAIN]
 
 
 class Shorthand(Entry):

@@ -10,7 +10,7 @@ from ..expressions.delays import delay_of
 from ..expressions.expression import parse
 from ..expressions.tree import rate_of
 from ..models import find_model
-from ..names.occurrences import constraints, uses
+from ..names.occurrences import constraints
 from ..names.symbols import Symbols
 from ..names.variables import DeclaredState
 from ..schema.spec import Spec
@@ -147,7 +147,7 @@ class PhaseUnits:
             delay = delay_of(own.name)
             assert delay is not None
             self.reader.agree(own.path, parse(delay.lag), self.time, f"what is taken from t in {own.name} is")
-        for use in uses(self.spec):
+        for use in self.symbols.uses:
             if use.path[0] in ("residuals", "complementarity"):
                 self.reader.read(use.path, use.expression)
         for path, constraint in constraints(self.spec):
