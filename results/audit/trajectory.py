@@ -198,7 +198,8 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
     """Bounds and path constraints on the dense grid, relative to 1 + |bound|.
 
     On a segment in which a control jumps, its polynomial overshoots by a share of the jump, however short the segment
-    is: there the excess counts times the jump's share of the phase (see `jumps`), and is told.
+    is: there the excess counts times the jump's share of the phase (see `jumps`), and is told. So is that of a control
+    which might as well be held within its bounds: it counts by what that would do (see `_held_within`).
     """
     weights, t = control_shares(trajectory)[:, None], trajectory.dense.t
     for excess in excesses(trajectory):
@@ -208,7 +209,39 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
         where = at(trajectory, t[k]) if counted[k] > 0 else ""
         if peak[worst] > tolerance >= counted[k]:
             where += f"; {peak[worst]:.1e} in a jump, {at(trajectory, t[worst])}"
-        yield Check(f"{excess.name} between the points", float(counted[k]), tolerance, where)
+        value = float(counted[k])
+        if excess.control and value > tolerance:
+            effect, on = _held_within(trajectory)
+            if effect <= tolerance:
+                where, value = f"{value:.1e} {where}; held within its bounds it would move {on} by that", effect
+        yield Check(f"{excess.name} between the points", value, tolerance, where)
+
+
+def _held_within(trajectory: Trajectory) -> tuple[float, str]:
+    """What the controls would do if they were held within their bounds between the points, and on what most.
+
+    That is the integral of |f(x, u) - f(x, u held)|, relative to the range of each state, or what a path constraint is
+    then exceeded by, relative to 1 + |bound|; infinite where either has no finite value. What it gains in the objective
+    is in its error bar.
+    """
+    phase, sample, p = trajectory.phase, trajectory.dense, trajectory.parameters
+    held = sample.u.copy()
+    for row, control in zip(held, phase.controls, strict=False):
+        np.clip(row, control.bounds.lower, control.bounds.upper, out=row)
+
+    def rates(u: np.ndarray) -> np.ndarray:
+        return phase.dynamics(sample.t, sample.x, consistent_inputs(phase, sample.t, sample.x, u, p), p)
+
+    moved = np.abs(rates(held) - rates(sample.u))
+    shifts = [float(trajectory.by_segment(row).mean(axis=1) @ trajectory.h) for row in moved] / ranges(trajectory)
+    effects = {state.name: shift for state, shift in zip(phase.states, shifts.tolist(), strict=True)}
+    values = phase.arguments(sample.t, sample.x, held, p)
+    for own in phase.path:
+        excess = own.bounds.excess(np.broadcast_to(own.function(values, np), sample.t.shape))
+        effects[f"path constraint '{own.name}'"] = float(excess.max())
+    known = {name: effect if np.isfinite(effect) else np.inf for name, effect in effects.items()}
+    worst = max(known, key=known.__getitem__, default="")
+    return known.get(worst, np.inf), worst
 
 
 def complementary(trajectory: Trajectory) -> Iterator[Check]:

@@ -166,7 +166,8 @@ class Excess:
     """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the dense grid.
 
     beyond: (M,) the same in its own unit, and span: the range of what is bounded. unit: "" if none is known.
-    algebraic: whether it is an algebraic variable, or an equation, as that between slack variables.
+    algebraic: whether it is an algebraic variable, or an equation, as that between slack variables. control: whether it
+    is a control, which could be held within its bounds.
     """
 
     name: str
@@ -175,6 +176,7 @@ class Excess:
     beyond: np.ndarray
     span: float
     unit: str = ""
+    control: bool = False
 
 
 def excesses(trajectory: Trajectory) -> Iterator[Excess]:
@@ -186,7 +188,7 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
             curve, bounds = values[variable.name], variable.bounds
             yield Excess(
                 f"bounds of {variable.name}", bounds.excess(curve), variable in phase.algebraic,
-                bounds.beyond(curve), _span(curve), variable.unit,
+                bounds.beyond(curve), _span(curve), variable.unit, variable in phase.controls,
             )  # fmt: skip
     relaxed = {own.name for own in phase.complementarity}  # they hold at the points only, or nothing could begin
     for constraint in (own for own in phase.path if own.name not in relaxed):
