@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from ..problems.problem import Curves, Problem
@@ -13,8 +13,9 @@ from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
-from .starts.drawn import drawn_starts, told
-from .starts.other import other_starts, without_effect
+from .starts.drawn import drawn_starts, other_parameters, told
+from .starts.other import OtherStart, other_starts, without_effect
+from .structure.convexity import kind_of_program
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -35,6 +36,9 @@ CONTRADICTORY = (
 )  # fmt: skip
 """Failures that constraints may be the reason of, if they are violated."""
 
+MANY = "the problem may have other optima than that near its guess"
+"""What is doubtful of every problem without time that is not known to be convex."""
+
 Run = Callable[[Sequence[Curves], Limit], Found]
 """A solve on the first mesh from other trajectories, until a limit is reached."""
 
@@ -46,7 +50,8 @@ def solve_first_mesh(
 
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
     it fails or not, and so is one from which a phase shrank to nothing, where no control has any effect either: of all
-    that are solved, the solution with the best objective is kept. If none is solved, an elastic
+    that are solved, the solution with the best objective is kept; so it is of problems without time that are not known
+    to be convex, which are solved in milliseconds. If none is solved, an elastic
     program finds a feasible trajectory to start from, or else what would have to give way. The solution's notes say
     what was done, and, from any start, which controls have no effect along the solution.
 
@@ -98,11 +103,11 @@ def _may_contradict(failed: Solution, settings: Settings) -> bool:
 def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Found:
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
-    doubt = _had_no_effect(idle) or (_shrunk(own) if own.status.usable else "")
+    doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(first) if own.status.usable else "")
     if own.status.usable and not doubt:
         return first
     best, words, tried = first, "", 0
-    for other in other_starts(problem, doubtful=own.status.usable):
+    for other in _others(problem, own.status.usable):
         if limit.reached():
             break
         tried += 1
@@ -111,7 +116,23 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
             best, words = found, other.words
             if not doubt:
                 break
+    if doubt == MANY and not words:  # it is so of every such problem
+        return first
     return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
+
+
+def _others(problem: Problem, usable: bool) -> Iterator[OtherStart]:
+    """What else to start from; usable: whether the problem's own start led to a solution."""
+    static = all(phase.static for phase in problem.phases)
+    return other_parameters(problem) if static else other_starts(problem, doubtful=usable)
+
+
+def _one_of_many(found: Found) -> str:
+    """Why a solution without time is doubtful: it takes milliseconds, and one is enough of a convex program only."""
+    solution, solved = found
+    if solved is None or not all(phase.static for phase in solution.problem.phases):
+        return ""
+    return "" if "global" in kind_of_program(solved.nlp, solved.outcome.z, continuous=False) else MANY
 
 
 def _had_no_effect(idle: Sequence[str]) -> str:
@@ -188,5 +209,6 @@ def _told(own: Solution, idle: list[str], doubt: str, words: str, tried: int) ->
         outcome = f"this is the solution from another: {words}" if words else others
         return f"the start of the file failed ({own.status.message}); {outcome}{advice}"
     if words:
-        return f"{doubt}, which led to {own.objective:.6g}; this is the solution from another: {words}"
+        more = "; --starts 50 looks for better ones" if doubt == MANY else ""
+        return f"{doubt}, which led to {own.objective:.6g}; this is the solution from another: {words}{more}"
     return f"{doubt}; of {tried} other starts none led to a better solution{advice}"

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...problems.problem import Problem
-from ...problems.text import shorten
 from ...transcription.engines.outcome import Status
 from ...transcription.one_mesh import Origin, Watch, solve_mesh
 from ...transcription.schemes.discrete import DISCRETE
@@ -22,14 +21,13 @@ from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings
 from ...transcription.solution.objective_error import ObjectiveError
 from ...transcription.solution.trajectory import Trajectory
-from ...transcription.starts.drawn import drawn_starts
+from ...transcription.starts.drawn import other_parameters
 from ...transcription.starts.other import OtherStart, other_starts
 from ..file.reload import Reloaded
 from .check import Check
 from .trajectory import between_points
 
 NAME = "no better objective from other starts, relative"
-DRAWN = 8  # starts of a problem without time
 POINTS = 100  # about: enough to tell one optimum from another
 MOST_ITERATIONS = 150
 TOLERANCE = 1e-8
@@ -89,13 +87,10 @@ def starts(result: Reloaded, estimate: ObjectiveError, tolerance: float) -> Iter
 
 
 def _origins(problem: Problem) -> Iterator[OtherStart]:
-    """Other first trajectories; without time other values of the static parameters."""
+    """Other first trajectories, and other values of the static parameters."""
     if not all(phase.static for phase in problem.phases):
         yield from other_starts(problem, False)
-        return
-    for guesses in drawn_starts(problem, DRAWN, 0):
-        values = ", ".join(f"{name} = {value:.3g}" for name, value in guesses[0].parameters.items())
-        yield OtherStart(shorten(values), guesses)
+    yield from other_parameters(problem)
 
 
 def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:

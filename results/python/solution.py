@@ -205,6 +205,7 @@ class SolutionView(_Named):
     status: one word, such as "solved" or "max_iterations"; message: the same in words.
     remedy: what to do about it; "" if it is solved.
     causes: why it is not solved, as far as is known; sentences, the most telling one first.
+    notes: what was done besides, and what to know of the solution; sentences.
     objective: as the problem file writes it.
     meshes: how the solve on each mesh went, in turn.
     error: of the last mesh.
@@ -218,6 +219,7 @@ class SolutionView(_Named):
     message: str
     remedy: str
     causes: tuple[str, ...]
+    notes: tuple[str, ...]
     objective: float
     error: ErrorEstimate
     meshes: tuple[MeshRecord, ...]

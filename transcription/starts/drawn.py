@@ -15,7 +15,8 @@ import numpy as np
 
 from ...problems.problem import Guess, Phase, Problem
 from ...problems.quantities import Range
-from .other import POINTS, at_level, under_controls
+from ...problems.text import shorten
+from .other import POINTS, OtherStart, at_level, under_controls
 
 NODES = 4
 """Times at which each control is drawn; it is linear between them."""
@@ -25,6 +26,9 @@ SHORTEST, LONGEST = 0.3, 3.0
 
 SPREAD = 2.0
 """Times 1 + its guess, for a static parameter without two bounds."""
+
+FEW = 8
+"""Starts with other static parameters."""
 
 SAME = 1e-5
 """Relative to 1 + |J|: what objectives on one mesh differ by at most, if they are of one optimum."""
@@ -42,15 +46,38 @@ def drawn_starts(problem: Problem, count: int, seed: int) -> Iterator[list[Guess
     """
     from scipy.stats import qmc  # it takes longer to import than a small problem to solve
 
-    size = len(problem.parameters) + sum(1 + NODES * len(phase.controls) for phase in problem.phases)
-    sampler = qmc.Sobol(max(size, 1), seed=seed)
+    sampler = qmc.Sobol(max(_size(problem), 1), seed=seed)
     for sample in sampler.random_base2(max(int(np.ceil(np.log2(count))), 0))[:count]:
-        numbers = iter(sample.tolist())
-        parameters = {
-            p.name: _within(p.bounds, problem.phases[0].guess.parameters[p.name], next(numbers))
-            for p in problem.parameters
-        }
-        yield [_drawn(phase, parameters, numbers) for phase in problem.phases]
+        yield _from(problem, sample)
+
+
+def other_parameters(problem: Problem) -> Iterator[OtherStart]:
+    """FEW starts with other static parameters, and controls that go with them; none where there is none to choose.
+
+    They are plain random numbers, always the same: as good as a sequence where they are few, and there at once.
+
+    problem: of any number of phases.
+    """
+    times = {name for phase in problem.phases for name in phase.time_parameters}
+    names = [own.name for own in problem.parameters if own.name not in times]
+    for sample in np.random.default_rng(0).random((FEW if names else 0, _size(problem))):
+        guesses = _from(problem, sample)
+        values = ", ".join(f"{name} = {guesses[0].parameters[name]:.3g}" for name in names)
+        yield OtherStart(shorten(values), guesses)
+
+
+def _size(problem: Problem) -> int:
+    """How many numbers a start takes."""
+    return len(problem.parameters) + sum(1 + NODES * len(phase.controls) for phase in problem.phases)
+
+
+def _from(problem: Problem, sample: np.ndarray) -> list[Guess]:
+    """The start that numbers from 0 to 1 mean."""
+    numbers = iter(sample.tolist())
+    parameters = {
+        p.name: _within(p.bounds, problem.phases[0].guess.parameters[p.name], next(numbers)) for p in problem.parameters
+    }
+    return [_drawn(phase, parameters, numbers) for phase in problem.phases]
 
 
 def _drawn(phase: Phase, parameters: Mapping[str, float], numbers: Iterator[float]) -> Guess:
