@@ -28,8 +28,8 @@ from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
+from .starts.extreme import extreme_sizes
 from .starts.near import Near, solved_from
-from .starts.small import sizes_of_small
 from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
 
@@ -179,10 +179,10 @@ def _run(
 
 
 def _scaling(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings) -> Scaling | None:
-    """That of the settings; with none, that of unknowns that are small."""
+    """That of the settings; with none, that of unknowns that are too small or too large for IPOPT."""
     sizes = settings.scaling
     if sizes is None and settings.engine == "ipopt" and "nlp_scaling_method" not in settings.options:
-        sizes = sizes_of_small(transcription, z)
+        sizes = extreme_sizes(transcription, z)
     return None if sizes is None else scale(transcription, nlp, z, sizes)
 
 

@@ -17,7 +17,8 @@ SAME = 1e-8
 """Of the size of a curve, or of 1 + |J|: stored twice, a number differs by rounding only."""
 
 MISSED = 1e-6
-"""Of 1 + |bound|, or 10 times the tolerance of the engine: what the constraints may be missed by at the points."""
+"""Of 1 + |bound|, or of the size of the state, or 10 times the tolerance of the engine: what the constraints may be
+missed by at the points."""
 
 
 def stored(path: Path, result: Reloaded) -> Iterator[Check]:
@@ -68,12 +69,23 @@ def _difference(own: np.ndarray, stored: np.ndarray) -> float:
 
 
 def _missed(result: Reloaded) -> float:
-    """By how much z, or rows of the program at z, are outside their bounds, at most, relative to 1 + |bound|."""
+    """By how much z, or rows of the program at z, are outside their bounds, at most.
+
+    Relative to 1 + |bound|, and defects to 1 + the size of their state.
+    """
     nlp, z = result.nlp, result.outcome.z
+    sizes = {
+        own.phase.name: dict(zip((s.name for s in own.phase.states), np.abs(own.x).max(axis=1), strict=True))
+        for own in result.trajectories
+    }
+    size = np.zeros(nlp.n + nlp.m)
+    for family in result.transcription.families:
+        if family.kind.sized:
+            size[nlp.n :][family.rows(nlp)] = sizes[family.phase].get(family.name, 0.0)
     _, lower, upper = bounded_start(result.transcription)
     values = np.concatenate([z, nlp.constraints_unchecked(z)])
     lower, upper = np.concatenate([lower, nlp.cl]), np.concatenate([upper, nlp.cu])
-    below = (lower - values) / (1 + np.abs(np.where(np.isfinite(lower), lower, 0.0)))
-    above = (values - upper) / (1 + np.abs(np.where(np.isfinite(upper), upper, 0.0)))
+    below = (lower - values) / (1 + np.maximum(size, np.abs(np.where(np.isfinite(lower), lower, 0.0))))
+    above = (values - upper) / (1 + np.maximum(size, np.abs(np.where(np.isfinite(upper), upper, 0.0))))
     missed = np.maximum(below, above)
     return float(np.max(np.nan_to_num(missed, nan=np.inf), initial=0.0))

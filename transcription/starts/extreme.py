@@ -1,10 +1,14 @@
-"""Unknowns that are small beside the distance by which IPOPT moves a start inside its bounds.
+"""Unknowns that are too small or too large for absolute numbers in IPOPT: its distances from bounds, its tolerance.
 
-IPOPT moves an unknown that starts at or beside its only bound inside by kappa max(1, |bound|), kappa = 0.01 (Waechter
-and Biegler, Math. Program. 106, 2006, section 3.6), and regularises by as much for each unknown. Both have a unit: a
-rate constant of 1e-6 per second starts ten thousand times too large, whatever was guessed, and the solve may end at
-another optimum. Where that distance is more than the size of an unknown, the program is scaled, for IPOPT alone: that
-unknown by its size, all others by 1.
+Small ones. IPOPT moves an unknown that starts at or beside its only bound inside by kappa max(1, |bound|), kappa = 0.01
+(Waechter and Biegler, Math. Program. 106, 2006, section 3.6), and regularises by as much for each unknown. Both have a
+unit: a rate constant of 1e-6 per second starts ten thousand times too large, whatever was guessed, and the solve may
+end at another optimum. Where that distance is more than the size of an unknown, the program is scaled, for IPOPT alone:
+that unknown by its size, all others by 1.
+
+Large ones. A constraint may be violated by 1e-8 in its unit. The defect of a state of 1e7 is a difference of terms that
+have no such digit. Where a state is as large as LARGE, the program is scaled: it by its size, and so are its defects,
+all others as `scaling: auto` does.
 
 The size of a state or an input is its largest magnitude along the start. Of a static parameter it is its guess; if
 that is 0, the value at which it begins to act: with X the sizes of the states and T the duration,
@@ -25,14 +29,31 @@ from ..layout import Transcription
 from .other import slopes
 
 KAPPA = 0.01
+LARGE = 1e6
 
 
-def sizes_of_small(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
-    """Name of each variable -> its size if it is small, else 1, as of `scaling.scale`; None if none is small.
+def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
+    """The sizes that IPOPT needs, as of `scaling.scale`; None where it needs none.
 
     transcription: what stands where.
     z: initial values of the unknowns, shape (n,).
+
+    Name of each large state -> its size; if there is none, name of each variable -> its size if it is small, else 1.
     """
+    return _of_large(transcription, z) or _of_small(transcription, z)
+
+
+def _of_large(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
+    sizes: dict[str, float] = {}
+    for layout in transcription.phases:
+        for state, places in zip(layout.phase.states, layout.x, strict=True):
+            size = float(np.abs(z[places[places >= 0]]).max(initial=0.0))
+            if size >= LARGE:
+                sizes[state.name] = max(size, sizes.get(state.name, 0.0))
+    return sizes
+
+
+def _of_small(transcription: Transcription, z: np.ndarray) -> dict[str, float] | None:
     sizes: dict[str, float] = {}
     for variable, size in _sizes(transcription, z):
         sizes[variable.name] = min(sizes.get(variable.name, 1.0), size if _is_small(variable, size) else 1.0)

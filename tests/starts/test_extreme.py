@@ -1,9 +1,10 @@
-"""Unknowns that are small beside the distance by which IPOPT moves a start inside its bounds."""
+"""Unknowns that are small beside the distance by which IPOPT moves a start, and states of 1e6 and more."""
 
 import numpy as np
 import pytest
 
 import trajopt
+from trajopt.results.verify import verify
 
 OFFSET = """
 trajopt: 1
@@ -55,3 +56,38 @@ def test_states_in_any_unit(size):
 def test_what_the_file_says_of_scaling_comes_first():
     text = offset(1e6, ", guess: 1e-6", ", guess: 1e-7") + "solver: {nlp_scaling_method: gradient-based}\n"
     assert trajopt.solve(trajopt.load(text)).objective == pytest.approx(0.0384667, rel=1e-4)
+
+
+RESERVOIR = """
+trajopt: 1
+name: a reservoir in litres
+time: {initial: 0, final: 365}
+states: {w: {rate: "2e7*(1 + 0.8*sin(2*pi*t/365)) - q - 1e-3*w", initial: 4e9, lower: 2e9, upper: 6e9}}
+controls: {q: {lower: 0, upper: 5e7}}
+objective: {minimize: {integral: "(q/2e7 - 1)**2 + 1e-3*(w/4e9 - 1)**2"}}
+"""
+CELLS = """
+trajopt: 1
+name: cells under a drug
+time: {initial: 0, final: 30}
+states:
+  n: {rate: "0.2*n*(1 - n/1e9) - 0.4*c*n", initial: 5e8}
+  m: {rate: "0.1*n - 0.3*m", initial: 2e8}
+controls: {c: {lower: 0, upper: 1}}
+objective: {minimize: {integral: "1e-9*(n + m) + 0.3*c**2"}}
+"""
+"""Both ended unsolved: no digit of double precision is left for a defect of 1e-8."""
+
+
+@pytest.mark.parametrize(("text", "J"), [(RESERVOIR, 0.0144938979), (CELLS, 8.29300508)])
+def test_large_numbers_are_solved_as_small_ones(text, J, tmp_path):
+    solution = trajopt.solve(trajopt.load(text))
+    assert solution.solved and solution.objective == pytest.approx(J, rel=1e-7)
+    solution.save(tmp_path / "large.h5")
+    assert all(check.passed for check in verify(tmp_path / "large.h5"))
+
+
+def test_what_only_rounding_keeps_from_the_tolerance_is_solved():
+    """The same cells without any scaling."""
+    solution = trajopt.solve(trajopt.load(CELLS, ["scaling={n: 1, m: 1, c: 1}"]))
+    assert solution.solved and solution.objective == pytest.approx(8.29300508, rel=1e-7)
