@@ -35,9 +35,9 @@ def diagnose(
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), Trouble(runaway(transcription, outcome) if fallen(outcome) else "")
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
-        words = [explain_non_finite(transcription, outcome.failed)]
-        words += [_kink(transcription, outcome.failed[0])] if outcome.failed else []
-        return (), Trouble("; ".join(filter(None, words)))
+        told = [explain_non_finite(transcription, outcome.failed)]
+        told += [_kink(transcription, outcome.failed[0])] if outcome.failed else []
+        return (), Trouble("; ".join(filter(None, told)))
     found = tuple(violations(transcription, nlp, outcome.z))
     if outcome.failed and outcome.status in BROKEN:
         return found, Trouble(explain_non_finite(transcription, outcome.failed))
