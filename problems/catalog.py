@@ -40,7 +40,7 @@ def find_problem(name: str) -> Path:
         raise SpecError(Mistake(name, what, f"write --set {name}"))
     if path.parent != Path():
         raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
-    remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always=f"shipped problems are {', '.join(known)}")
+    remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always="trajopt list shows those that are shipped")
     raise FileError(Mistake(name, "there is no such file and no shipped problem of that name", remedy))
 
 
@@ -59,7 +59,7 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find_problem(source)
     check_writable(target, force)
     text = origin.read_text(encoding="utf-8")
-    copies = {origin.parent / file: target.parent / file for file in _files_of(text)}
+    copies = {origin.parent / file: target.parent / file for file in files_of(text)}
     for data, copy in copies.items():
         if data.is_file() and not (copy.exists() and copy.read_bytes() == data.read_bytes()):
             copy.parent.mkdir(parents=True, exist_ok=True)
@@ -75,7 +75,7 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     return target
 
 
-def _files_of(text: str) -> list[str]:
+def files_of(text: str) -> list[str]:
     """The CSV files that a problem file names, in its folder; none of one that cannot be read."""
     try:
         data = read_document(text, "").data

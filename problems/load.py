@@ -156,6 +156,8 @@ def _read(path: Path) -> str:
         raise FileError(Mistake(str(path), f"the file cannot be read ({reason})", "check its permissions")) from error
     if content.startswith(b"\x89HDF"):
         what = "this is a result, not a problem file"
-        remedy = f"give its problem file; the result is read by trajopt show {path}, plot, table and verify"
+        remedy = (
+            f"give its problem file, which trajopt export {path} out.yaml writes; trajopt show, plot and verify read it"
+        )
         raise SpecError(Mistake(str(path), what, remedy))
     return decode(content, str(path))

@@ -30,6 +30,7 @@ NO_PART = {
 }
 """Keys of a problem file that do not change what the problem is."""
 STENCIL = 6  # dense points
+WHOLE = 2001  # times at which trajectories are compared that are cut into other phases
 NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time
 
 
@@ -38,7 +39,8 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
 
     objective_error: its error bar, None where there is none. difference: of the objective from the first;
     state_difference: the largest distance of any state from the first's,
-    relative to that state's range, at equal fractions of the duration, and that state's name; NaN if one of the two has
+    relative to that state's range, at equal fractions of the duration of each phase (of the whole, where the phases are
+    others), and that state's name; NaN if one of the two has
     no finite values. Without time it is that of the static parameters, relative to 1 + their size. objective and
     difference: None where there is none. other_problem: path in the problem file ->
     (the first's value, this one's), empty if both solved the same problem. Raises FileError if a file is no result,
@@ -94,17 +96,17 @@ def _leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, 
 def _distance(path: Path, first: Sequence[PhaseCurves], other: Sequence[PhaseCurves]) -> tuple[str, float]:
     """The state that differs most, and by how much."""
     with np.errstate(invalid="ignore", over="ignore"):  # a failed solve may have no finite values: NaN, then
-        distances = {
-            name: distance
-            for a, b in zip(first, other, strict=False)
-            if a.name == b.name
-            for name, distance in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
-        }
+        if [phase.name for phase in first] != [phase.name for phase in other]:
+            distances = _whole_distances(first, other)
+        else:
+            distances = {
+                name: own
+                for a, b in zip(first, other, strict=True)
+                for name, own in (_state_distances(a, b) if a.curves["state"] else _parameter_distances(a, b)).items()
+            }
     if not distances:
         kind = "state" if any(phase.curves["state"] for phase in first) else "parameter"
         what = f"it has no {kind} in common with the first result"
-        if {phase.name for phase in first} != {phase.name for phase in other}:
-            what = "its phases have other names than those of the first result"
         raise SpecError(Mistake(str(path), what, "compare like with like"))
     worst = max(distances, key=lambda name: np.nan_to_num(distances[name], nan=np.inf))
     return worst, distances[worst]
@@ -118,6 +120,29 @@ def _state_distances(a: PhaseCurves, b: PhaseCurves) -> dict[str, float]:
             own, others = _values(a, curve.dense, s), _values(b, b.curves["state"][name].dense, s)
             distances[name] = float(np.abs(own - others).max() / (np.ptp(curve.dense) or 1.0))
     return distances
+
+
+def _whole_distances(first: Sequence[PhaseCurves], other: Sequence[PhaseCurves]) -> dict[str, float]:
+    """Of states that all phases have, where a trajectory is cut into phases in two ways; at equal fractions of all."""
+    common = [name for name in first[0].curves["state"] if all(name in own.curves["state"] for own in (*first, *other))]
+    s = np.linspace(0.0, 1.0, WHOLE)
+    distances = {}
+    for name in common:
+        own, others = (_over_phases(phases, name, s) for phases in (first, other))
+        distances[name] = float(np.abs(own - others).max() / (np.ptp(own) or 1.0))
+    return distances
+
+
+def _over_phases(phases: Sequence[PhaseCurves], name: str, s: np.ndarray) -> np.ndarray:
+    """A state at fractions s of the time of all phases, NaN in a gap between them."""
+    t = phases[0].dense_time[0] + s * (phases[-1].dense_time[-1] - phases[0].dense_time[0])
+    values = np.full(len(s), np.nan)
+    for phase in phases:
+        start, end = phase.dense_time[[0, -1]]
+        within = (t >= start) & (t <= end)
+        if end > start and within.any():
+            values[within] = _values(phase, phase.curves["state"][name].dense, (t[within] - start) / (end - start))
+    return values
 
 
 def _parameter_distances(a: PhaseCurves, b: PhaseCurves) -> dict[str, float]:

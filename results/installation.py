@@ -36,6 +36,11 @@ PARTS = {
 }
 
 
+def processors() -> int:
+    """How many processors this process may use; all of the machine where the system does not say which."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def installation(load: bool = True) -> dict[str, Any]:
     """Versions, libraries and optional parts of this installation, as plain data.
 
@@ -61,7 +66,7 @@ def installation(load: bool = True) -> dict[str, Any]:
         "trajopt": version("trajopt"),
         "folder": str(Path(__file__).parents[1]),
         "python": f"{platform.python_version()}, {sys.executable}",
-        "system": f"{platform.platform()}, {len(os.sched_getaffinity(0))} processors",
+        "system": f"{platform.platform()}, {processors()} processors",
         "environment": {name: os.environ[name] for name in ENVIRONMENT if name in os.environ},
         "packages": packages,
         "misfits": list(_misfits(packages)),

@@ -104,7 +104,8 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
     doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(first) if own.status.usable else "")
-    if own.status.usable and not doubt:
+    explained = own.status is Status.MAX_ITERATIONS and own.trouble  # no start mends what runs away, or has a kink
+    if (own.status.usable and not doubt) or explained:
         return first
     best, words, tried = first, "", 0
     for other in _others(problem, own.status.usable):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +94,9 @@ def whole(option: str, text: str, smallest: int, largest: int) -> int:
 
 def processes_of(jobs: str | None) -> int:
     """The number of processes that --jobs asks for, one for each CPU without it. Raises SpecError."""
-    return whole("--jobs", jobs, 1, MOST_JOBS) if jobs else len(os.sched_getaffinity(0))
+    from ...results.installation import processors
+
+    return whole("--jobs", jobs, 1, MOST_JOBS) if jobs else processors()
 
 
 def _refuse(asked: Asked, sample: bool, zipped: bool) -> None:

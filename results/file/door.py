@@ -94,7 +94,9 @@ def _size(path: Path) -> int:
     except OSError as error:
         missing = isinstance(error, FileNotFoundError)
         what = "there is no such file" if missing else f"it cannot be read ({(error.strerror or str(error)).lower()})"
-        raise FileError(Mistake(str(path), what, ANOTHER)) from error
+        beside = path.with_name(f"{path.name}.h5")
+        remedy = f"did you mean {beside}" if missing and beside.is_file() else ANOTHER
+        raise FileError(Mistake(str(path), what, remedy)) from error
     if not stat.S_ISREG(found.st_mode):
         what = "it is a folder" if stat.S_ISDIR(found.st_mode) else "it is no ordinary file"
         raise FileError(Mistake(str(path), what, ANOTHER))

@@ -204,7 +204,7 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
             "status": status.name.lower(),
             "solved": solution.solved,
             "message": status.message,
-            "remedy": status.remedy,
+            "remedy": solution.remedy,
             "trouble": solution.trouble,
             "objective": solution.objective,
             "objective_error": solution.objective_error.bar,

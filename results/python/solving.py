@@ -57,7 +57,7 @@ def solve(
         solved=solution.solved,
         status=solution.status.name.lower(),
         message=solution.status.message,
-        remedy=remedy_in_python(solution.status.remedy),
+        remedy=remedy_in_python(solution.remedy),
         causes=tuple(causes(solution.trouble, solution.violations, solution.involved)),
         notes=tuple(solution.notes),
         objective=solution.objective,

@@ -29,7 +29,10 @@ def check_format(path: Path) -> None:
     """Raise SpecError for a file whose suffix tells no format."""
     if path.suffix not in FORMATS:
         what = f"'{path.suffix}' is no format of 'trajopt export'" if path.suffix else "the name has no suffix"
-        remedy = f"end the name with one of {', '.join(FORMATS)}; results are written by trajopt table, .csv"
+        remedy = (
+            f"end the name with one of {', '.join(FORMATS)}; curves of a result are written by trajopt table, .csv, "
+            "and its problem file with .yaml"
+        )
         raise SpecError(Mistake(str(path), what, remedy))
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
+from ..solution.trajectory import trajectories
 from ..solution.violation import Trouble, Violation
 from .conflict import conflict
 from .dependent import dependent
+from .kinks import vanishing_norm
 from .non_finite import explain_non_finite
 from .runaway import fallen, runaway
 from .violations import counted, violations
@@ -31,7 +35,9 @@ def diagnose(
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), Trouble(runaway(transcription, outcome) if fallen(outcome) else "")
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
-        return (), Trouble(explain_non_finite(transcription, outcome.failed))
+        told = [explain_non_finite(transcription, outcome.failed)]
+        told += [_kink(transcription, outcome.failed[0])] if outcome.failed else []
+        return (), Trouble("; ".join(filter(None, told)))
     found = tuple(violations(transcription, nlp, outcome.z))
     if outcome.failed and outcome.status in BROKEN:
         return found, Trouble(explain_non_finite(transcription, outcome.failed))
@@ -39,5 +45,10 @@ def diagnose(
         return found, conflict(transcription, nlp, outcome)
     if outcome.status is Status.OVERDETERMINED:
         return found, Trouble(counted(transcription, nlp))
-    running = runaway(transcription, outcome)
-    return found, Trouble(running) if running else dependent(transcription, nlp, outcome)
+    words = runaway(transcription, outcome) or _kink(transcription, outcome.z)
+    return found, Trouble(words) if words else dependent(transcription, nlp, outcome)
+
+
+def _kink(transcription: Transcription, z: np.ndarray) -> str:
+    """The first norm that vanishes at the unknowns z, shape (n,), and the remedy."""
+    return next(filter(None, map(vanishing_norm, trajectories(transcription, z))), "")

@@ -117,6 +117,12 @@ class Solution:
         return self.sensitive()
 
     @property
+    def remedy(self) -> str:
+        """What to do about a failure: the status' advice, but more iterations do not help where the cause is known."""
+        known = self.status is Status.MAX_ITERATIONS and self.trouble
+        return "mend the cause: more iterations do not help" if known else self.status.remedy
+
+    @property
     def solved(self) -> bool:
         """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
