@@ -43,7 +43,7 @@ PLAN = grid([parse("parameters.l=1,2,3"), parse("mesh.0.method=trapezoid,hermite
 class Inline:
     """An engine in this process; `deaths`: how often the worker of a case dies; `backwards`: the last task first."""
 
-    waits, capacity = True, 3
+    waits, capacity = True, 2
 
     def __init__(self, deaths=(), backwards=False):
         self.deaths, self.backwards, self.tasks, self.held = dict(deaths), backwards, [], []

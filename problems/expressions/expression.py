@@ -71,7 +71,10 @@ class Expression:
         tables: name -> the table of data that it looks up; None for those that it has.
         """
         own = self.tables if tables is None else tables
-        return replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
+        bound = replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
+        # Of the tree alone; `parse` keeps expressions, so the next problem with this text need not walk through it.
+        bound.__dict__.update(nodes=self.nodes, leaves=self.leaves)
+        return bound
 
     def less(self, name: str) -> Expression:
         """This expression minus a named value: the change in one step, of the value after it."""

@@ -31,10 +31,19 @@ _VARIABLES = ("states", "controls", "algebraic")
 _NAMED = ("parameters", "expressions", "states", "controls", "algebraic", "integrals")
 
 
+_latest: list[tuple[Spec, dict[str, Spec]]] = []
+"""The spec that was asked for last, and its phases: the checks of a file, its problems and its meshes all ask."""
+
+
 def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
+    for known, phases in _latest:
+        if known is spec:
+            return dict(phases)
     own = phases_as_written(spec)
-    return {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
+    phases = {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
+    _latest[:] = [(spec, phases)]
+    return dict(phases)
 
 
 def phases_as_written(spec: Spec) -> dict[str, Spec]:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 from .case import ERROR, INTERRUPTED, WORKER_DIED, Answer, Left, Task, failed
@@ -119,18 +120,20 @@ class _Loop:
         return None
 
     def answers(self) -> list[Mapping[str, Any]]:
-        """The records of the cases that have ended by now, which are kept."""
+        """The records of the cases that have ended by now, which are kept; workers go on while they are written."""
         done, _ = wait(self.running, timeout=TICK, return_when=FIRST_COMPLETED)
-        return [record for future in sorted(done, key=self.running.__getitem__) for record in self._ended(future)]
+        ended = sorted(((self.running.pop(future), future) for future in done), key=itemgetter(0))
+        self.submit()
+        return [record for number, future in ended for record in self._ended(number, future)]
 
     def last_answers(self) -> list[Mapping[str, Any]]:
         """After a stop: what the workers had finished, or were asked to end, which is dropped."""
         if self.engine.waits:
             wait(self.running)
-        return [record for future in list(self.running) if future.done() for record in self._ended(future)]
+        ended = [(number, future) for future, number in self.running.items() if future.done()]
+        return [record for number, future in ended for record in self._ended(number, future)]
 
-    def _ended(self, future: Future[Answer]) -> list[Mapping[str, Any]]:
-        number = self.running.pop(future)
+    def _ended(self, number: int, future: Future[Answer]) -> list[Mapping[str, Any]]:
         answer = self._answer(number, future)
         if answer is None or answer.record["status"] == INTERRUPTED:
             return []
