@@ -5,17 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .failure.relax import explain
+from .failure.runaway import fallen
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
-from .starts.drawn import drawn_starts, other_parameters, told
+from .starts.drawn import chosen_parameters, drawn_starts, other_parameters, told
 from .starts.other import OtherStart, other_starts, without_effect
-from .structure.convexity import kind_of_program
+from .structure.several import may_have_several
+from .transcribe import refused
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -37,10 +40,16 @@ CONTRADICTORY = (
 """Failures that constraints may be the reason of, if they are violated."""
 
 MANY = "the problem may have other optima than that near its guess"
-"""What is doubtful of every problem without time that is not known to be convex."""
+"""What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
 
-Run = Callable[[Sequence[Curves], Limit], Found]
-"""A solve on the first mesh from other trajectories, until a limit is reached."""
+FEW = 4
+"""Starts with other static parameters, where there is time."""
+
+BOTH_SIDES = 2
+"""Of the other starts: controls above, and below, the middle of their bounds."""
+
+Run = Callable[[Sequence[Curves], Limit, bool], Found]
+"""A solve on the first mesh, or on one with twice its segments, from other trajectories, until a limit is reached."""
 
 
 def solve_first_mesh(
@@ -50,10 +59,11 @@ def solve_first_mesh(
 
     A start that fails gives way to the first that does not. One at which a control has no effect is doubtful, whether
     it fails or not, and so is one from which a phase shrank to nothing, where no control has any effect either: of all
-    that are solved, the solution with the best objective is kept; so it is of problems without time that are not known
-    to be convex, which are solved in milliseconds. If none is solved, an elastic
-    program finds a feasible trajectory to start from, or else what would have to give way. The solution's notes say
-    what was done, and, from any start, which controls have no effect along the solution.
+    that are solved, the solution with the best objective is kept; so it is of problems that are
+    solved in milliseconds and may have several optima, where what is better has to be so on a mesh with twice the
+    segments too. If none is solved, an elastic program finds a feasible trajectory to start from, or else what would
+    have to give way. The solution's notes say what was done, and, from any start, which controls have no effect along
+    the solution.
 
     problem, meshes, tolerance, settings, start, watch: as of `solve_mesh`.
     """
@@ -65,9 +75,9 @@ def solve_first_mesh(
         return _doubted(best)
     seconds = max(SECONDS, TIMES * (time.process_time() - began))
 
-    def run(guess: Sequence[Curves], limit: Limit) -> Found:
-        limited = replace(watch, stop=limit.reached)
-        return solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guess, near=None), limited)
+    def run(guess: Sequence[Curves], limit: Limit, finer: bool = False) -> Found:
+        own, limited = [mesh.halved() for mesh in meshes] if finer else meshes, replace(watch, stop=limit.reached)
+        return solve_mesh(problem, own, tolerance, settings, replace(start, guess=guess, near=None), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
         best = _from_others(problem, best, run, Limit(seconds, watch.stop, time.process_time))
@@ -104,16 +114,19 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
     doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(first) if own.status.usable else "")
-    explained = own.status is Status.MAX_ITERATIONS and own.trouble  # no start mends what runs away, or has a kink
+    # no start mends what runs away, or has a kink
+    explained = own.trouble and (
+        own.status is Status.MAX_ITERATIONS or (own.status is Status.DIVERGING and fallen(own.outcome))
+    )
     if (own.status.usable and not doubt) or explained:
         return first
     best, words, tried = first, "", 0
-    for other in _others(problem, own.status.usable):
+    for other in _others(problem, own.status.usable, doubt == MANY):
         if limit.reached():
             break
         tried += 1
-        found = run(other.guesses, limit)
-        if better(found[0], best[0], problem.sense):
+        found = run(other.guesses, limit, False)
+        if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(found, best, run, limit)):
             best, words = found, other.words
             if not doubt:
                 break
@@ -122,18 +135,31 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
     return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
 
 
-def _others(problem: Problem, usable: bool) -> Iterator[OtherStart]:
-    """What else to start from; usable: whether the problem's own start led to a solution."""
-    static = all(phase.static for phase in problem.phases)
-    return other_parameters(problem) if static else other_starts(problem, doubtful=usable)
+def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
+    """What else to start from; usable: whether the problem's own start led to a solution; many: to one of many."""
+    if many and chosen_parameters(problem):
+        timeless = all(phase.static for phase in problem.phases)
+        return islice(other_parameters(problem), None if timeless else FEW)
+    return islice(other_starts(problem, doubtful=usable), BOTH_SIDES if many else None)
 
 
 def _one_of_many(found: Found) -> str:
-    """Why a solution without time is doubtful: it takes milliseconds, and one is enough of a convex program only."""
+    """Why a solution is doubtful that cost little and may be one of many; "" if it is not."""
     solution, solved = found
-    if solved is None or not all(phase.static for phase in solution.problem.phases):
+    if not may_have_several(solution, solved.nlp):
         return ""
-    return "" if "global" in kind_of_program(solved.nlp, solved.outcome.z, continuous=False) else MANY
+    finer = [mesh.halved() for mesh in solution.meshes[-1].grids]
+    timeless = all(phase.static for phase in solution.problem.phases)
+    return MANY if timeless or not any(refused(solution.problem, finer)) else ""
+
+
+def _stays_better(new: Found, old: Found, run: Run, limit: Limit) -> bool:
+    """Whether a solution is better than another with twice the segments too: on few points it may be so by what they
+    do not see."""
+    if all(phase.static for phase in new[0].problem.phases):
+        return True
+    finer = [run(found[0].trajectories, limit, True)[0] for found in (new, old)]
+    return finer[0].status.usable and better(finer[0], finer[1], new[0].problem.sense)
 
 
 def _had_no_effect(idle: Sequence[str]) -> str:
@@ -171,7 +197,7 @@ def _explained(
         return best
     if not explanation.feasible:
         return replace(failed, relief=explanation.relief), best[1]
-    solution, solved = run(explanation.curves, limit)
+    solution, solved = run(explanation.curves, limit, False)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
         return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved

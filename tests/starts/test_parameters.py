@@ -38,9 +38,31 @@ def test_a_convex_one_is_solved_once(objective):
     assert solution.solved and not solution.notes
 
 
+HEADING = """\
+trajopt: 1
+time: {initial: 0, final: 1}
+optimize: {heading: {guess: 5.5}}
+states: {reach: {rate: cos(heading) - 0.1*u, initial: 0}, cost: {rate: 0.05*heading**2 + u**2, initial: 0}}
+controls: {u: {lower: 0, upper: 1}}
+objective: {maximize: {terminal: "reach[final] - cost[final]"}}
+"""
+"""The best heading is 0; from the guess a solve ends a turn away."""
+
+
+@pytest.mark.parametrize(("text", "before", "best"), [(CHOICE, 0.7588, 0.007879264), (HEADING, -0.8, 1.0)])
+def test_parameters_of_dynamics_are_tried_too(text, before, best):
+    solution = trajopt.solve(trajopt.load(text))
+    assert solution.objective == pytest.approx(best, rel=1e-4)
+    (note,) = [own for own in solution.notes if "may have other optima" in own]
+    assert float(note.split("which led to ")[1].split(";")[0]) == pytest.approx(before, rel=1e-1)
+
+
 def test_verify_varies_the_parameters(tmp_path):
+    """A guess that is given is kept to."""
     (tmp_path / "choice.yaml").write_text(CHOICE)
-    check = verify(solved_once(tmp_path / "choice.h5", tmp_path / "choice.yaml"))[-1]
+    near = solved_once(tmp_path / "near.h5", tmp_path / "choice.yaml", "--set", "optimize.a.lower=2")
+    path = solved_once(tmp_path / "choice.h5", tmp_path / "choice.yaml", "--guess", str(near))
+    check = verify(path)[-1]
     assert check.name == "no better objective from other starts, relative" and not check.passed
     assert "from a = " in check.where
 

@@ -58,6 +58,11 @@ class Mesh:
         kept = np.linspace(0, self.segments, segments + 1).round().astype(int)
         return Mesh(self.schemes[:segments], np.diff(self.edges[kept]))
 
+    def halved(self) -> Mesh:
+        """A mesh with two segments for each of this one."""
+        schemes = tuple(scheme for scheme in self.schemes for _ in range(2))
+        return Mesh(schemes, np.repeat(self.widths / 2, 2))
+
     @cached_property
     def degrees(self) -> np.ndarray:
         """Points per segment, the one shared with the next segment not counted, shape (N,)."""

@@ -58,12 +58,20 @@ def other_parameters(problem: Problem) -> Iterator[OtherStart]:
 
     problem: of any number of phases.
     """
-    times = {name for phase in problem.phases for name in phase.time_parameters}
-    names = [own.name for own in problem.parameters if own.name not in times]
+    names = chosen_parameters(problem)
     for sample in np.random.default_rng(0).random((FEW if names else 0, _size(problem))):
         guesses = _from(problem, sample)
         values = ", ".join(f"{name} = {guesses[0].parameters[name]:.3g}" for name in names)
         yield OtherStart(shorten(values), guesses)
+
+
+def chosen_parameters(problem: Problem) -> list[str]:
+    """The names of the static parameters that are no times.
+
+    problem: of any number of phases.
+    """
+    times = {name for phase in problem.phases for name in phase.time_parameters}
+    return [own.name for own in problem.parameters if own.name not in times]
 
 
 def _size(problem: Problem) -> int:
