@@ -24,6 +24,10 @@ SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
 search for what would have to give way. Of the processor: what is found does not depend on who else is at work."""
 
+ONCE_AWAY = 1.0
+"""Seconds in place of SECONDS, and once the first in place of TIMES, where the objective ran away: the start is seldom
+why, but a constraint without a slope at the guess lets it go, too."""
+
 NOT_OF_THE_START = (
     Status.INTERRUPTED, Status.MAX_CPU_TIME, Status.MAX_WALL_TIME, Status.OVERDETERMINED, Status.INVALID_PROBLEM,
     Status.INVALID_OPTION, Status.NO_MEMORY,
@@ -73,14 +77,17 @@ def solve_first_mesh(
     best = solve_mesh(problem, meshes, tolerance, settings, start, watch)
     if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
         return _doubted(best)
-    seconds = max(SECONDS, TIMES * (time.process_time() - began))
+    first = time.process_time() - began
+    seconds = max(SECONDS, TIMES * first)
 
     def run(guess: Sequence[Curves], limit: Limit, finer: bool = False) -> Found:
         own, limited = [mesh.halved() for mesh in meshes] if finer else meshes, replace(watch, stop=limit.reached)
         return solve_mesh(problem, own, tolerance, settings, replace(start, guess=guess, near=None), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
-        best = _from_others(problem, best, run, Limit(seconds, watch.stop, time.process_time))
+        away = best[0].status is Status.DIVERGING and fallen(best[0].outcome)
+        others = max(ONCE_AWAY, first) if away else seconds
+        best = _from_others(problem, best, run, Limit(others, watch.stop, time.process_time))
     if _may_contradict(best[0], settings):
         best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop, time.process_time), start.guess)
     return _doubted(best)
@@ -114,10 +121,7 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
     doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(first) if own.status.usable else "")
-    # no start mends what runs away, or has a kink
-    explained = own.trouble and (
-        own.status is Status.MAX_ITERATIONS or (own.status is Status.DIVERGING and fallen(own.outcome))
-    )
+    explained = own.status is Status.MAX_ITERATIONS and own.trouble  # no start mends what runs away, or has a kink
     if (own.status.usable and not doubt) or explained:
         return first
     best, words, tried = first, "", 0
