@@ -1,8 +1,9 @@
 """CPU seconds of whole processes, trajopt beside CasADi's mapped script: `python tests/benchmarks/whole_process.py`.
 
-For each number of segments both are started in turn, so that what else the machine does falls on both, and ratios are
-taken pair by pair: on a busy machine CPU seconds grow, their ratios hardly do. `--repeats`, `--segments` and
-`--minutes` choose; a number of segments whose pairs would take longer than that has fewer of them, at least one.
+For each number of segments they are started in turn: trajopt, trajopt with `solver.library=casadi`, and the script, so
+that what else the machine does falls on all, and ratios to the script are taken run by run: on a busy machine CPU
+seconds grow, their ratios hardly do. `--repeats`, `--segments` and `--minutes` choose; a number of segments whose runs
+would take longer than that has fewer of them, at least one.
 """
 
 from __future__ import annotations
@@ -23,23 +24,30 @@ SEGMENTS = (25, 1000, 10_000, 100_000)
 
 @dataclass(frozen=True)
 class Pair:
-    """CPU seconds of one run of each."""
+    """CPU seconds of one run of each; fast: of trajopt with CasADi's IPOPT."""
 
     trajopt: float
+    fast: float
     casadi: float
 
     @property
     def ratio(self) -> float:
         return self.trajopt / self.casadi
 
+    @property
+    def fast_ratio(self) -> float:
+        return self.fast / self.casadi
+
 
 def pair(segments: int, problem: str, folder: str) -> Pair:
     """One run of each, the whole process: start-up, imports, solve; of trajopt the error estimate and the file, too."""
     trajopt = [sys.executable, "-c", "from trajopt.cli.main import main; main()", "solve", problem, "-q", "--force"]
+    trajopt += ["--segments", str(segments), "-o", "a.h5"]
     (script,) = SCRIPTS["CasADi mapped"]
-    _, ours, _ = timed([*trajopt, "--segments", str(segments), "-o", "a.h5"], folder)
+    _, ours, _ = timed(trajopt, folder)
+    _, fast, _ = timed([*trajopt, "--set", "solver.library=casadi"], folder)
     _, theirs, _ = timed([sys.executable, str(HERE / script), str(segments)], folder)
-    return Pair(ours, theirs)
+    return Pair(ours, fast, theirs)
 
 
 def pairs(segments: int, repeats: int, minutes: float, problem: str, folder: str) -> list[Pair]:
@@ -53,12 +61,10 @@ def pairs(segments: int, repeats: int, minutes: float, problem: str, folder: str
 
 
 def row(segments: int, found: Sequence[Pair]) -> str:
-    ours, theirs, ratios = ([getattr(own, name) for own in found] for name in ("trajopt", "casadi", "ratio"))
-    middle = statistics.median
-    spread = f"{min(ratios):.2f} to {max(ratios):.2f}"
-    return (
-        f"| {segments} | {len(found)} | {middle(ours):.2f} | {middle(theirs):.2f} | {middle(ratios):.2f} | {spread} |"
-    )
+    names = ("trajopt", "fast", "casadi", "ratio", "fast_ratio")
+    middles = [f"{statistics.median(getattr(own, name) for own in found):.2f}" for name in names]
+    spread = f"{min(own.ratio for own in found):.2f} to {max(own.ratio for own in found):.2f}"
+    return " | ".join(["", str(segments), str(len(found)), *middles, spread, ""]).strip()
 
 
 def main() -> None:
@@ -68,9 +74,9 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5, help="for each number of segments")
     chosen = parser.parse_args()
     problem = str(Path(HERE).parents[1] / "problems" / "cartpole.yaml")
-    print(
-        "| segments | pairs | trajopt, CPU s | CasADi mapped, CPU s | ratio | pairs from |\n|--:|--:|--:|--:|--:|--:|"
-    )
+    seconds = ("trajopt, CPU s", "with casadi's IPOPT", "CasADi mapped")
+    heads = ("segments", "runs", *seconds, "ratio", "with casadi's", "runs from")
+    print(f"| {' | '.join(heads)} |\n|{'--:|' * len(heads)}")
     with tempfile.TemporaryDirectory() as folder:
         for segments in chosen.segments:
             found = pairs(segments, chosen.repeats, chosen.minutes, problem, folder)
