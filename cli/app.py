@@ -3,33 +3,60 @@
 from __future__ import annotations
 
 import logging
+from importlib import import_module
 from typing import Annotated
 
 import typer
-
-from .problem_files.check import check
-from .problem_files.explain import explain
-from .problem_files.export import export
-from .problem_files.init import init
-from .problem_files.listing import list_
-from .problem_files.methods import methods
-from .problem_files.schema import schema
-from .result_files.animate import animate
-from .result_files.compare import compare
-from .result_files.plot import plot
-from .result_files.report import report
-from .result_files.show import show
-from .result_files.table import table
-from .result_files.verify import verify
-from .solving.doctor import doctor
-from .solving.reproduce import reproduce
-from .solving.solve import solve
-from .solving.sweep import sweep
+from typer.core import TyperGroup
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it made itself a cache folder, if the home is no place
 
+COMMANDS = {
+    "solve": "solving.solve",
+    "sweep": "solving.sweep",
+    "check": "problem_files.check",
+    "explain": "problem_files.explain",
+    "show": "result_files.show",
+    "verify": "result_files.verify",
+    "compare": "result_files.compare",
+    "plot": "result_files.plot",
+    "table": "result_files.table",
+    "animate": "result_files.animate",
+    "report": "result_files.report",
+    "reproduce": "solving.reproduce",
+    "list": "problem_files.listing",
+    "methods": "problem_files.methods",
+    "schema": "problem_files.schema",
+    "export": "problem_files.export",
+    "init": "problem_files.init",
+    "doctor": "solving.doctor",
+}
+"""The module of each command, in the order of `--help`. Its function has the command's name; of `list`, `list_`."""
+
+
+class Commands(TyperGroup):
+    """The commands; each is imported when it is asked for: modules and options of all take longer than a solve."""
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]  # typer's own, not click's
+        return list(COMMANDS)
+
+    def get_command(self, ctx: typer.Context, cmd_name: str):  # type: ignore[no-untyped-def, override]  # likewise
+        for name in [cmd_name] if cmd_name in COMMANDS else COMMANDS:  # all, to suggest one like the unknown one
+            if name not in self.commands:
+                self.commands[name] = _loaded(name)
+        return self.commands.get(cmd_name)
+
+
+def _loaded(name: str):  # type: ignore[no-untyped-def]
+    module = import_module(f".{COMMANDS[name]}", __package__)
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    alone.command(name=name)(getattr(module, "list_" if name == "list" else name))
+    return typer.main.get_command(alone)
+
+
 app = typer.Typer(
     name="trajopt",
+    cls=Commands,
     help="Trajectory optimization from a problem file: direct collocation, Pyomo, IPOPT, HDF5.",
     epilog="Exit codes: 0 solved; 1 not solved (the result is still written); 2 mistake in the file or on the "
     "command line; 3 a file cannot be read or written; 130 or 143 interrupted (the last "
@@ -39,12 +66,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-for function in (
-    solve, sweep, check, explain, show, verify, compare, plot, table, animate, report, reproduce, list_, methods,
-    schema, export, init, doctor,
-):  # fmt: skip
-    app.command(name=function.__name__.rstrip("_"))(function)
 
 
 def _print_version(wanted: bool) -> None:

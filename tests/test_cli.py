@@ -10,14 +10,12 @@ import broken
 import pytest
 from command_line import trajopt
 
-from trajopt.cli.app import app
+from trajopt.cli.app import COMMANDS
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.schemes.table import METHODS
 
 pytestmark = pytest.mark.usefixtures("folder")
-
-COMMANDS = [command.name for command in app.registered_commands]
 
 
 # -- help and listings ---------------------------------------------------------------------------------------------

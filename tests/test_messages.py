@@ -36,6 +36,7 @@ FULL = {
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
     ],
     "solver": {
+        "library": "bundled",
         "engine": "ipopt",
         "accept": "optimal",
         "coarse_start": True,

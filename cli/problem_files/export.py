@@ -28,7 +28,7 @@ def export(
     segments: Segments = None,
     force: Force = False,
 ) -> None:
-    """Write the nonlinear program for other solvers, or to read; or the problem file of a result.
+    """Write the nonlinear program, or the problem file of a result.
 
     Example: trajopt export cartpole cartpole.nl --segments 10
 

@@ -22,6 +22,10 @@ MAX_LENGTH = 60
 PLAIN = ("-", "–", "[-]", "1")
 """How people write that something is a pure number."""
 
+NO_UNITS = frozenset(("unit", "units", "pcs", "point", "points", "particle", "particles", "mass"))
+"""Words for what is counted or meant, which pint takes for a micro-nit, a parsec, a length of print, 1/N_A of a mole
+and a milli-arcsecond."""
+
 NUMBER = "a pure number"
 
 _LARGE_POWER = re.compile(r"(\*\*|\^)[^A-Za-zµμΩ°]*(\*\*|\^)|(\*\*|\^)\s*\(?\s*[-+]?\d{3,}|\d{7,}|[eE][-+]?\d{3,}")
@@ -109,7 +113,7 @@ def measured(text: str) -> Measure | None:
     """
     if text in PLAIN:
         return Measure(_registry().Quantity(1.0), text)
-    if len(text) > MAX_LENGTH or _LARGE_POWER.search(text):
+    if len(text) > MAX_LENGTH or _LARGE_POWER.search(text) or NO_UNITS & {*re.findall(r"[A-Za-z]+", text)}:
         return None
     try:
         quantity = _quantity(text)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..errors import Mistake
 from .document import Path, dotted
 
 MAX_FINDINGS = 100
+SEVERAL = 3
+_DIGITS = re.compile(r"\d+")
 
 
 class Finding(NamedTuple):
@@ -40,16 +42,30 @@ class Locations:
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
         """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read.
 
-        Of one text that several components of a vector have, what is said of the first.
+        Of one text that several components of a vector have, what is said of the first; and so of a line of which the
+        same is said of SEVERAL and more, but for numbers: it is that of a loop.
         """
         first: dict[Path, Path] = {}
         paths = [(finding, self.as_written(finding.path)) for finding in findings]
         written = [own._replace(path=path) for own, path in paths if first.setdefault(path, own.path) == own.path]
-        ordered = sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path))
+        ordered = self._of_loops(sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path)))
         located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
         return tuple(located)
+
+    def _of_loops(self, findings: Sequence[Finding]) -> list[Finding]:
+        """The findings, with the first of those that differ by numbers only in place of all."""
+        alike: dict[Any, list[Finding]] = {}
+        for own in findings:
+            words = _DIGITS.sub("#", f"{dotted(own.path)} {own.what} {own.remedy}")
+            alike.setdefault((self._line(own.path), words), []).append(own)
+        found: list[Finding] = []
+        for first, *others in alike.values():
+            few = len(others) < SEVERAL - 1
+            what = f"{first.what}, and so are {len(others)} more of this line"
+            found += [first, *others] if few else [first._replace(what=what)]
+        return found
 
     def overridden(self, path: Path) -> bool:
         """Whether the value at a path was given on the command line."""
