@@ -97,6 +97,7 @@ CHAIN = {
             {"name": "arm", "mass": 1, "length": "d", "com": 0.5, "inertia": 0.1, "motor": True, "zero": "left"},
             {"parent": "arm", "at": 0.4, "mass": 1, "length": 1, "torque": "-q2", "angle": "q2"},
             {"joint": "fixed", "turn": 0.1, "mass": 1, "length": 1},
+            {"joint": "prismatic", "distance": "slid", "mass": 1, "length": 1},
         ],
         "forces": [{"link": "arm", "at": 0.2, "x": "u", "y": 1}],
     },
