@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...problems.quantities import TOLERATED_EXCESS
 from ..solution.solution import MeshRecord, Solution
 
 IN_VAIN, GROWN = 2, 1.5
@@ -14,6 +15,9 @@ IN_VAIN, GROWN = 2, 1.5
 UNTRUE = 10.0
 """Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
+WIDENED = 10.0
+"""Times its error bar: where a solution may be off that exceeds a bound between its points. Its multipliers are those of
+the few points that hold the bound, and the bar is of first order in them."""
 
 STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
@@ -23,13 +27,24 @@ def left_basin(before: Solution, after: Solution) -> bool:
     """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
-    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
+    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. Nor is a
+    loss one where the mesh before exceeds a bound between its points, and the finer one less: that made it better than
+    it may be.
     """
     if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
         return False
     loss = before.problem.sense * (after.objective - before.objective)
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
-    return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
+    exceeded = _exceeded(before)
+    held = WIDENED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else 1.0
+    return (abs(loss) if untrue else loss) > held * before.objective_error.bar + after.objective_error.bar
+
+
+def _exceeded(solution: Solution) -> float:
+    """The largest excess over bounds and path constraints between the points, times its segment's share of its phase,
+    which is what refinement tolerates little of."""
+    pairs = zip(solution.trajectories, solution.errors, strict=True)
+    return max(float(np.max(error.largest_excess * own.mesh.widths, initial=0.0)) for own, error in pairs)
 
 
 def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:
