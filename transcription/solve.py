@@ -203,7 +203,7 @@ class _Loop:
             self.stopped = _why_stopped(solution.meshes[-1])
             self.discarded += solution.meshes
             return None
-        if refined and own and left_basin(self.last[0], solution):
+        if refined and own and left_basin(self.last[0], solution, accuracy(self.settings.refine)):
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
 
@@ -236,7 +236,7 @@ class _Loop:
         found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None, start.damping), watch)
         segments = left[0].meshes[-1].segments
         told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
-        if found[0].status.usable and not left_basin(self.last[0], found[0]):
+        if found[0].status.usable and not left_basin(self.last[0], found[0], accuracy(self.settings.refine)):
             self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
             return found
         before = self.last[0].objective

@@ -23,13 +23,15 @@ STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
 
 
-def left_basin(before: Solution, after: Solution) -> bool:
+def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool:
     """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
     error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. Nor is a
     loss one where the mesh before exceeds a bound between its points, and the finer one less: that made it better than
     it may be.
+
+    accuracy: that is asked for, relative to 1 + |J|; a move by less is none.
     """
     if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
         return False
@@ -37,7 +39,8 @@ def left_basin(before: Solution, after: Solution) -> bool:
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
     exceeded = _exceeded(before)
     held = WIDENED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else 1.0
-    return (abs(loss) if untrue else loss) > held * before.objective_error.bar + after.objective_error.bar
+    moved, bars = abs(loss) if untrue else loss, held * before.objective_error.bar + after.objective_error.bar
+    return moved > max(bars, accuracy * (1 + abs(before.objective)))
 
 
 def _exceeded(solution: Solution) -> float:
