@@ -242,7 +242,7 @@ class _Loop:
             return found
         before = self.last[0].objective
         if self.last[0].problem.sense * (left[0].objective - before) > 0:
-            why = f"which is worse than {before:.8g} by more than both error bars"
+            why = f"which is worse than {before:.8g} by far more than both error bars"
         else:  # see `left_basin`
             why = f"which is not believed beside {before:.8g}, as the error of the dynamics has grown with it"
         self.stopped = f"{told}, {why}"

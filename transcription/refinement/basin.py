@@ -15,12 +15,16 @@ UNTRUE = 10.0
 """Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
 
+FARTHER = 5.0
+"""Times both error bars: they are estimates, and on coarse meshes, where much is exceeded between the points, one may
+be too small by half. Another optimum is farther away."""
+
 STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
 
 
 def left_basin(before: Solution, after: Solution) -> bool:
-    """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
+    """Whether the objective of a finer mesh has moved by far more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
     error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
@@ -29,7 +33,7 @@ def left_basin(before: Solution, after: Solution) -> bool:
         return False
     loss = before.problem.sense * (after.objective - before.objective)
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
-    return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
+    return (abs(loss) if untrue else loss) > FARTHER * (before.objective_error.bar + after.objective_error.bar)
 
 
 def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:
