@@ -9,6 +9,7 @@ from functools import partial
 from itertools import count
 
 from ..problems.errors import SpecError
+from ..problems.phases.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
 from .again.same_mesh import from_lower, sharpened, with_short_turns
@@ -241,7 +242,7 @@ class _Loop:
             return found
         before = self.last[0].objective
         if self.last[0].problem.sense * (left[0].objective - before) > 0:
-            why = f"which is worse than {before:.8g} by more than both error bars"
+            why = f"which is worse than {before:.8g} by far more than both error bars"
         else:  # see `left_basin`
             why = f"which is not believed beside {before:.8g}, as the error of the dynamics has grown with it"
         self.stopped = f"{told}, {why}"
@@ -284,7 +285,7 @@ class _Loop:
             sensitive=partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of),
         )
         damped = solved.damping.told(solution.trajectories, solved.worth)
-        notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
+        notes = (*self.notes, *damped, *runaway_times(solution.trajectories), *kept(solution.problem))
         if self.lower and solution.objective_error.applies:
             notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
             solution = self._widened(solution, self.lower.gain)

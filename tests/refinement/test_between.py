@@ -52,7 +52,7 @@ def test_what_is_exceeded_between_the_points_widens_the_bar_of_the_mesh_before(d
     (error,) = fine.errors
     exceeded = {"bounds of z": np.full(len(error.relative), 0.5)}
     coarse = replace(fine, errors=(replace(error, excess=exceeded),))
-    worse = replace(fine, objective=fine.objective - 5 * bar)  # of a maximum
+    worse = replace(fine, objective=fine.objective - 15 * bar)  # of a maximum
     assert left_basin(fine, worse)
     assert not left_basin(coarse, worse)
     assert left_basin(coarse, replace(worse, errors=coarse.errors))  # the finer one is no better
@@ -61,7 +61,7 @@ def test_what_is_exceeded_between_the_points_widens_the_bar_of_the_mesh_before(d
 
 def test_a_loss_within_the_accuracy_asked_for_is_none(descent):
     fine = descent[0]
-    loss = 5 * fine.objective_error.bar
+    loss = 15 * fine.objective_error.bar
     worse = replace(fine, objective=fine.objective - loss)
     assert left_basin(fine, worse, accuracy=0.5 * loss / fine.objective)
     assert not left_basin(fine, worse, accuracy=2 * loss / fine.objective)

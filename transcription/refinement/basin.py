@@ -15,21 +15,20 @@ IN_VAIN, GROWN = 2, 1.5
 UNTRUE = 10.0
 """Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
-WIDENED = 10.0
-"""Times its error bar: where a solution may be off that exceeds a bound between its points. Its multipliers are those of
-the few points that hold the bound, and the bar is of first order in them."""
+FARTHER, EXCEEDED = 5.0, 10.0
+"""Times both error bars: they are estimates, and on coarse meshes one may be too small by half. Another optimum is
+farther away. EXCEEDED: where the mesh before exceeds a bound between its points, and the finer one less. That made it
+better than it may be, by more than multipliers of the few points that hold the bound tell."""
 
 STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
 
 
 def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool:
-    """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
+    """Whether the objective of a finer mesh has moved by far more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
-    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. Nor is a
-    loss one where the mesh before exceeds a bound between its points, and the finer one less: that made it better than
-    it may be.
+    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
 
     accuracy: that is asked for, relative to 1 + |J|; a move by less is none.
     """
@@ -38,14 +37,14 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     loss = before.problem.sense * (after.objective - before.objective)
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
     exceeded = _exceeded(before)
-    held = WIDENED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else 1.0
-    moved, bars = abs(loss) if untrue else loss, held * before.objective_error.bar + after.objective_error.bar
-    return moved > max(bars, accuracy * (1 + abs(before.objective)))
+    times = EXCEEDED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else FARTHER
+    bars = before.objective_error.bar + after.objective_error.bar
+    return (abs(loss) if untrue else loss) > max(times * bars, accuracy * (1 + abs(before.objective)))
 
 
 def _exceeded(solution: Solution) -> float:
-    """The largest excess over bounds and path constraints between the points, times its segment's share of its phase,
-    which is what refinement tolerates little of."""
+    """The largest excess over bounds and path constraints between the points, times its segment's share of its phase:
+    what refinement holds to TOLERATED_EXCESS."""
     pairs = zip(solution.trajectories, solution.errors, strict=True)
     return max(float(np.max(error.largest_excess * own.mesh.widths, initial=0.0)) for own, error in pairs)
 
