@@ -30,6 +30,8 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
     error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
 
+    before: the solution on the mesh before.
+    after: that on the finer mesh.
     accuracy: that is asked for, relative to 1 + |J|; a move by less is none.
     """
     if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
