@@ -77,6 +77,7 @@ class Phase:
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
     measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
+    kept: names of path equalities that the dynamics keep, which are asked for once and not among `path`.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Phase:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     measured: tuple[Measured, ...] = ()
     time_parameters: Mapping[str, str] = field(default_factory=dict)
+    kept: tuple[str, ...] = ()
 
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""

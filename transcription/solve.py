@@ -9,6 +9,7 @@ from functools import partial
 from itertools import count
 
 from ..problems.errors import SpecError
+from ..problems.phases.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
 from .again.same_mesh import from_lower, sharpened, with_short_turns
@@ -203,7 +204,7 @@ class _Loop:
             self.stopped = _why_stopped(solution.meshes[-1])
             self.discarded += solution.meshes
             return None
-        if refined and own and left_basin(self.last[0], solution):
+        if refined and own and left_basin(self.last[0], solution, accuracy(self.settings.refine)):
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
 
@@ -236,12 +237,12 @@ class _Loop:
         found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None, start.damping), watch)
         segments = left[0].meshes[-1].segments
         told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
-        if found[0].status.usable and not left_basin(self.last[0], found[0]):
+        if found[0].status.usable and not left_basin(self.last[0], found[0], accuracy(self.settings.refine)):
             self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
             return found
         before = self.last[0].objective
         if self.last[0].problem.sense * (left[0].objective - before) > 0:
-            why = f"which is worse than {before:.8g} by more than both error bars"
+            why = f"which is worse than {before:.8g} by far more than both error bars"
         else:  # see `left_basin`
             why = f"which is not believed beside {before:.8g}, as the error of the dynamics has grown with it"
         self.stopped = f"{told}, {why}"
@@ -284,7 +285,7 @@ class _Loop:
             sensitive=partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of),
         )
         damped = solved.damping.told(solution.trajectories, solved.worth)
-        notes = (*self.notes, *damped, *runaway_times(solution.trajectories))
+        notes = (*self.notes, *damped, *runaway_times(solution.trajectories), *kept(solution.problem))
         if self.lower and solution.objective_error.applies:
             notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
             solution = self._widened(solution, self.lower.gain)

@@ -151,7 +151,7 @@ class _Run:
     def _engine(self, scheduler: str | None, processes: int) -> Engine:
         from ...results.sweep.engines import ClusterEngine, LocalEngine
 
-        return ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare)
+        return ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare, self.spec.solver.library)
 
     def _report(self, tally: Tally, show: Callable[[], None], record: Mapping[str, Any] | None) -> None:
         if record is not None:
