@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
+from ...problems.lean.records import dataclass
 from .case import ERROR, INTERRUPTED, WORKER_DIED, Answer, Left, Task, failed
 from .engines import Engine
 from .plan import Plan
