@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 
 from .expressions.expression import Expression
@@ -13,6 +13,7 @@ from .guess import finished, initial_guess
 from .guesses.delayed import with_delayed
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
+from .lean.records import dataclass
 from .measured import measured
 from .names.delays import DelayedState
 from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names

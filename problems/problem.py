@@ -17,11 +17,12 @@ the inputs of the dynamics: the controls, the states at earlier times, x(t - tau
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Protocol
 
 import numpy as np
 
+from .lean.records import dataclass
 from .quantities import Complementarity, Constraint, Delayed, Function, Measured, Output, Range, State, Variable
 from .text import short_repr, shorten
 

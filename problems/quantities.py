@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import inf
 from typing import Any, Protocol
 
 import numpy as np
 
+from .lean.records import dataclass
 from .text import short_repr
 
 Numeric = Any

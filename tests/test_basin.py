@@ -46,6 +46,34 @@ def test_a_worse_optimum_is_another_basin(ways):
     assert not left_basin(below, below)
 
 
+@pytest.mark.parametrize(("times", "left"), [(3.0, False), (10.0, True)])
+def test_a_bar_that_is_too_small_by_half_is_no_other_basin(ways, times, left):
+    """Bars are estimates; a lunar or Martian descent on 18 segments moved by twice the bars, towards the optimum."""
+    below, _ = ways
+    both = 2 * below.objective_error.bar
+    assert left_basin(below, replace(below, objective=below.objective + times * both)) is left
+
+
+DESCENT = """\
+trajopt: 1
+time: {initial: 0, final: {lower: 5, upper: 60, guess: 25}}
+states:
+  h: {rate: v, initial: 1000, final: 0, lower: 0}
+  x: {rate: w, initial: 300, final: 0, lower: -20}
+  v: {rate: c*a - 3.7, initial: -40, final: 0}
+  w: {rate: s*a, initial: -30, final: 0}
+controls: {c: {lower: 0.3, upper: 1}, s: {lower: -1, upper: 1}, a: {lower: 1, upper: 12}}
+constraints: {path: [{expression: c**2 + s**2, equals: 1}, {expression: h - 0.2*x, lower: -5}]}
+objective: {minimize: {integral: a}}
+"""
+
+
+def test_a_descent_is_refined_to_the_end():
+    found = load_text(DESCENT, "descent.yaml")
+    solution = solve(build(found), steps(found.mesh), settings_of(found))
+    assert solution.solved and not solution.inaccurate
+
+
 def test_for_a_maximum_the_smaller_one_is_worse(ways):
     below, above = (replace(own, problem=replace(own.problem, sense=-1)) for own in ways)
     assert left_basin(above, below) and not left_basin(below, above)

@@ -36,6 +36,7 @@ FULL = {
         {"method": "runge-kutta-4", "segments": 10, "substeps": 2, "control": "linear"},
     ],
     "solver": {
+        "library": "bundled",
         "engine": "ipopt",
         "accept": "optimal",
         "coarse_start": True,
@@ -96,6 +97,7 @@ CHAIN = {
             {"name": "arm", "mass": 1, "length": "d", "com": 0.5, "inertia": 0.1, "motor": True, "zero": "left"},
             {"parent": "arm", "at": 0.4, "mass": 1, "length": 1, "torque": "-q2", "angle": "q2"},
             {"joint": "fixed", "turn": 0.1, "mass": 1, "length": 1},
+            {"joint": "prismatic", "distance": "slid", "mass": 1, "length": 1},
         ],
         "forces": [{"link": "arm", "at": 0.2, "x": "u", "y": 1}],
     },

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import nan
 
+from ..problems.lean.records import dataclass
 from ..problems.quantities import Range
 
 LOWER, INSIDE, UPPER = "lower", "inside", "upper"

@@ -5,9 +5,9 @@ Messages, LaTeX, scaling, warm starts, costates, the error bar and `verify` read
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum, auto
 
+from ..problems.lean.records import dataclass
 from ..problems.quantities import Constraint, EndConstraint
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, floor
 from time import perf_counter
 from typing import Any
@@ -19,6 +19,7 @@ import numpy as np
 
 from ..problems.build import build_all
 from ..problems.errors import SpecError
+from ..problems.lean.records import dataclass
 from ..problems.load import load_text
 from ..problems.problem import Curves, Problem
 from ..problems.schema.spec import Spec

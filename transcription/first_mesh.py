@@ -9,8 +9,6 @@ from itertools import islice
 
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
-from .failure.relax import explain
-from .failure.runaway import fallen
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -85,8 +83,7 @@ def solve_first_mesh(
         return solve_mesh(problem, own, tolerance, settings, replace(start, guess=guess, near=None), limited)
 
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
-        away = best[0].status is Status.DIVERGING and fallen(best[0].outcome)
-        others = max(ONCE_AWAY, first) if away else seconds
+        others = max(ONCE_AWAY, first) if _ran_away(best[0]) else seconds
         best = _from_others(problem, best, run, Limit(others, watch.stop, time.process_time))
     if _may_contradict(best[0], settings):
         best = _explained(problem, meshes, best, run, Limit(seconds, watch.stop, time.process_time), start.guess)
@@ -108,6 +105,15 @@ def _of_many(
         records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
     return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
+
+
+def _ran_away(failed: Solution) -> bool:
+    """Whether the objective has fallen without limit."""
+    if failed.status is not Status.DIVERGING:
+        return False
+    from .failure.runaway import fallen  # loaded when there is a failure
+
+    return fallen(failed.outcome)
 
 
 def _may_contradict(failed: Solution, settings: Settings) -> bool:
@@ -195,6 +201,8 @@ def _explained(
     guess: Sequence[Curves] | None,
 ) -> Found:
     """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way."""
+    from .failure.relax import explain  # loaded when there is a failure
+
     failed = best[0]
     explanation = explain(problem, meshes, guess, stop=limit.reached)
     if not explanation.settled:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..problems.lean.records import dataclass
 from ..problems.problem import Phase, Problem
 from ..problems.quantities import Range
 from ..problems.text import short_repr

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..problems.errors import Mistake
+from ..problems.lean.records import dataclass
 from ..problems.problem import Curves, Phase, Problem
 from .engines.outcome import Outcome
 from .layout import Transcription

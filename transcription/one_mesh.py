@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import inf
 
 import numpy as np
 
+from ..problems.lean.records import dataclass
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve

@@ -14,10 +14,10 @@ as stated.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..problems.lean.records import dataclass
 from ..problems.quantities import Range, Variable
 from ..problems.text import short_repr
 from .layout import Transcription

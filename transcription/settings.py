@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from ..problems.lean.records import dataclass
 from ..problems.phases.merge import phase_specs
 from ..problems.problem import Phase, Problem
 from ..problems.schema.solving import Engine, MeshEntry

@@ -204,7 +204,7 @@ class _Loop:
             self.stopped = _why_stopped(solution.meshes[-1])
             self.discarded += solution.meshes
             return None
-        if refined and own and left_basin(self.last[0], solution):
+        if refined and own and left_basin(self.last[0], solution, accuracy(self.settings.refine)):
             return self._again(number, (solution, solved), start, watch)
         return solution, solved
 
@@ -237,12 +237,12 @@ class _Loop:
         found = solve_mesh(*self.steps[number], self.settings, Origin(start.guess, None, start.damping), watch)
         segments = left[0].meshes[-1].segments
         told = f"the mesh of {segments} segments led to another optimum, {left[0].objective:.8g}"
-        if found[0].status.usable and not left_basin(self.last[0], found[0]):
+        if found[0].status.usable and not left_basin(self.last[0], found[0], accuracy(self.settings.refine)):
             self.notes += (f"{told}; solved again without multipliers, it leads to {found[0].objective:.8g}",)
             return found
         before = self.last[0].objective
         if self.last[0].problem.sense * (left[0].objective - before) > 0:
-            why = f"which is worse than {before:.8g} by more than both error bars"
+            why = f"which is worse than {before:.8g} by far more than both error bars"
         else:  # see `left_basin`
             why = f"which is not believed beside {before:.8g}, as the error of the dynamics has grown with it"
         self.stopped = f"{told}, {why}"

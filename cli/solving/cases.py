@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.text import brief
 
 if TYPE_CHECKING:

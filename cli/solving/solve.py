@@ -8,7 +8,7 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +16,7 @@ import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import PIPES, make_folder
+from ...problems.lean.records import dataclass
 from ...transcription.loading import STDIN, build_checked, load_all
 from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
 from ..options import Files, Force, Json, Method, Quiet, Segments, Set, overrides

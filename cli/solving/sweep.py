@@ -6,7 +6,6 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...problems.lean.records import dataclass
 from ...transcription.loading import STDIN, build_checked, load_all, load_yaml
 from ..errors import NOT_SOLVED, USER_MISTAKE, command
 from ..options import Json, Method, Quiet, Segments, Set, overrides
@@ -151,7 +151,7 @@ class _Run:
     def _engine(self, scheduler: str | None, processes: int) -> Engine:
         from ...results.sweep.engines import ClusterEngine, LocalEngine
 
-        return ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare)
+        return ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare, self.spec.solver.library)
 
     def _report(self, tally: Tally, show: Callable[[], None], record: Mapping[str, Any] | None) -> None:
         if record is not None:

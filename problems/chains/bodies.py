@@ -14,8 +14,9 @@ What depends on lengths and masses is written by name: `upper_length`, `upper_ma
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..lean.records import dataclass
 from ..schema.model import BASE, PRISMATIC, RELATIVE, REVOLUTE, WELDED, ChainLink, ModelEntry
 from .angles import Angle, grouped
 

@@ -35,9 +35,9 @@ and the equation of q_s is that the force along the joint is, with m_sr the mass
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
+from ..lean.records import dataclass
 from ..schema.model import CART, FIXED, FLOATING, ForceEntry, ModelEntry
 from .angles import Angle, grouped, negative, summed, times
 from .bodies import Body, Reach, bodies, control_of

@@ -7,8 +7,8 @@ b_as = sum_k m_k c_ka over those that both a and s carry
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from ..lean.records import dataclass
 from .angles import grouped, negative, summed, times
 from .bodies import Body
 

@@ -15,11 +15,11 @@ the same as angular momentum about the foot and about the joints, (F.9) and (F.1
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ..lean.records import dataclass
 from ..schema.model import StepEntry
 from .angles import Angle, summed, times
 from .bodies import Body, Reach

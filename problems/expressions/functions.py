@@ -9,13 +9,13 @@ the one of the row and differences of the values against each other.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import Enum, auto
 from functools import partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..lean.records import dataclass
 from . import composed
 
 Signs = frozenset[int]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ..lean.records import dataclass
 from ..text import excerpt, shorten
 from .delays import delayed
 from .functions import FUNCTIONS, smooth_names

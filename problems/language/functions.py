@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.signature import Signature, signature
 from ..expressions.tree import Chain, Link, Lookup, Name, Node, below, leaves, nodes, placed, rebuilt
+from ..lean.records import dataclass
 from ..models import find_model
 from ..names.circles import untangle
 from ..names.symbols import UNKNOWN

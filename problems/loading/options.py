@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..errors import Mistake
-from ..schema.solving import ENGINES, Solver
+from ..schema.solving import ENGINES, LIBRARIES, Solver
 from ..text import brief
 from ..yaml.document import scalar
 from ..yaml.locations import Finding, Locations
@@ -65,7 +65,7 @@ def refused_options(solver: dict[str, Any], options: OptionCheck, known: set[str
     options: asks the engine.
     known: names of which something is said already.
     """
-    own = {*Solver.model_fields, "tol", *known}
+    own = {*Solver.model_fields, "tol", *known} - ({"library"} if solver.get("library") in LIBRARIES else set())
     plain = {name: value for name, value in solver.items() if name not in own and isinstance(value, int | float | str)}
     plain = {name: _yes_or_no(value) if isinstance(value, bool) else value for name, value in plain.items()}
     engine = solver.get("engine", "ipopt")

@@ -37,13 +37,13 @@ measures its 0.2 m from the top of the torso: d3 = l3 - 0.2 m = 0.425 m is the s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..lean.records import dataclass
 from ..quantities import Numeric, Range
 from .model import Equations, Model, Quantity
 

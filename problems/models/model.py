@@ -9,11 +9,12 @@ the names "q1[initial]" and "q1[final]".
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
+from ..lean.records import dataclass
 from ..quantities import Function, Range
 
 

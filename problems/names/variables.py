@@ -7,11 +7,11 @@ state v is an algebraic variable, v[rate], which the residuals determine; that o
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, rate_of
+from ..lean.records import dataclass
 from ..models import find_model
 from ..models.model import Quantity
 from ..schema.declarations import Algebraic, Control, IntegralState, StateEntry, Velocity

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain, count
 
+from ..lean.records import dataclass
 from ..problem import Phase
 from ..quantities import Constraint, Function, Range, State
 from .lookups import Kept, kept

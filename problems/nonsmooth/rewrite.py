@@ -12,7 +12,7 @@ Elsewhere s1 s2 <= 0 is added, which makes the sum exact and the problem harder.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import count as numbers_from
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
 from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
+from ..lean.records import dataclass
 from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names
 from ..names.symbols import Symbols
 from ..quantities import Range, Variable

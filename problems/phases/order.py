@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from ..lean.records import dataclass
 from ..names.variables import states
 from ..schema.phases import LinkEntry, PhaseEntry
 from ..schema.spec import Spec

@@ -11,11 +11,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import yaml
 
+from ..lean.records import dataclass
 from ..names.occurrences import HISTORY, TRAJECTORY, constraint_names, constraints, uses
 from ..schema.declarations import TimeEnd
 from ..schema.spec import Spec

@@ -129,6 +129,8 @@ class RefineEntry(Entry):
 
 Engine = Literal["ipopt", "newton"]
 ENGINES: tuple[str, ...] = get_args(Engine)
+Library = Literal["bundled", "casadi"]
+LIBRARIES: tuple[str, ...] = get_args(Library)
 
 
 class Solver(Entry):
@@ -151,6 +153,10 @@ class Solver(Entry):
         None, description="time limit for all meshes, in seconds; the last mesh that was solved is kept; default none"
     )
 
+    library: Library | None = Field(
+        None, description="IPOPT that runs: bundled (default), or casadi, a newer and faster one if CasADi is installed"
+    )
+
     starts: Starts = Field(0, description="number of starts drawn within the bounds, beside the guess; default 0")
     seed: Seed = Field(0, description="whole number that the drawn starts depend on; default 0")
 
@@ -163,7 +169,8 @@ class Solver(Entry):
 
     @property
     def options(self) -> dict[str, int | float | str]:
-        return dict(self.model_extra or {})
+        """Those that the engine checks: all that have no meaning of their own here, and the library if it is given."""
+        return {**({"library": self.library} if self.library else {}), **(self.model_extra or {})}
 
 
 class Reference(Entry):

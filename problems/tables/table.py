@@ -8,12 +8,13 @@ smoothed `linear` have two continuous derivatives, as a function of a problem mu
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
 
+from ..lean.records import dataclass
 from ..quantities import Range
 from ..text import short_repr
 from .choices import ERROR, HOLD

@@ -9,9 +9,10 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
+
+from ..lean.records import dataclass
 
 ROUNDING = 1e-6
 """Of the ratio of two scales: units whose scales differ by less are the same, since conversions are rounded."""

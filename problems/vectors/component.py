@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
 from ..language.loops import Mistaken
+from ..lean.records import dataclass
 from ..names.symbols import UNKNOWN
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding

@@ -10,12 +10,13 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, NoReturn
 
 import yaml
 
 from ..errors import Mistake, SpecError
+from ..lean.records import dataclass
 from ..text import brief, named
 from .punctuation import slips_of, strange, torn
 

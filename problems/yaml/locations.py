@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, NamedTuple
 
 from ..errors import Mistake
+from ..lean.records import dataclass
 from .document import Path, dotted
 
 MAX_FINDINGS = 100

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...problems.lean.records import dataclass
 from ...transcription.solution.trajectory import Trajectory
 
 ENGINE = 10.0

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import h5py
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import shorten
 from .layout import TEXT, TEXTS, UNITS, Array, Attribute, Each, Group, Size
 from .nodes import LayoutError, fits, has, has_attribute, kind_of, names_in, opened, shape_of

@@ -8,8 +8,9 @@ with * stands for all that begin so. What is not declared is never opened.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...problems.lean.records import dataclass
 from ...transcription.engines.outcome import Status
 
 TEXT, TEXTS, NUMBER, WHOLE, FLAG, OPTION = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
@@ -12,6 +11,7 @@ import numpy as np
 
 from ...problems.build import build
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.load import load_stored
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from decimal import Decimal
 from math import inf, isfinite, log10
 from typing import Any
 
+from ...problems.lean.records import dataclass
 from ...problems.schema.spec import Spec
 from ...transcription.solution.solution import Solution
 from ..audit.check import Check

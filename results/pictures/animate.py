@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from ...problems.drawings.drawing import drawings_of
 from ...problems.drawings.shapes import WHOLE, Circle, Ground, Polyline, Rectangle, Shape
 from ...problems.errors import Mistake, SpecError
 from ...problems.files import replacing
+from ...problems.lean.records import dataclass
 from ..file.read import PhaseCurves, Result
 from .film import write_film
 from .style import (

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import inf
 from pathlib import Path
@@ -19,6 +19,7 @@ from time import perf_counter
 import numpy as np
 
 from ...problems.errors import SpecError
+from ...problems.lean.records import dataclass
 from ...problems.phases.split import Part, split, why_not
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ...problems.errors import Mistake
+from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ...problems.yaml.overrides import as_text

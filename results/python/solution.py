@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
+from ...problems.lean.records import dataclass
 from ...problems.quantities import Variable
 from ...problems.text import did_you_mean, shorten, tidy
 from ...transcription.solution.solution import MeshRecord

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from ...problems.lean.records import dataclass
 from ...transcription.solution.trajectory import Sample, Trajectory
 
 ROUNDING = 1e-12

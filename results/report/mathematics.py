@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...problems.expressions.tree import Number
+from ...problems.lean.records import dataclass
 from ...problems.models import find_model
 from ...problems.names.symbols import Symbols
 from ...problems.phases.merge import phase_specs

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from ...problems.lean.records import dataclass
 from .figures.example import Example
 from .paper_values import Effort, Value
 

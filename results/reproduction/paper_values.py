@@ -5,9 +5,10 @@ A number that is given as printed must agree in all its digits. None of them was
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Decimal
 from math import inf, sqrt
+
+from ...problems.lean.records import dataclass
 
 PAPER = "Kelly 2017"
 EXACT = "exact"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.schema.solving import MAX_CASES
 from ...problems.text import brief
 from ...problems.yaml.document import in_words, value_of

@@ -10,13 +10,14 @@ import json
 import re
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import SpecError
+from ...problems.lean.records import dataclass
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
 from ...problems.text import short_repr

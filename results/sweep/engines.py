@@ -14,6 +14,7 @@ from multiprocessing.sharedctypes import RawValue
 from typing import Any, Protocol, TypeVar
 
 from ...problems.errors import Mistake, SpecError
+from ...transcription.engines.ipopt_library import PRELOADED
 from .case import Answer, Task, solve_case
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "BLIS_NUM_THREADS")
@@ -57,12 +58,14 @@ class LocalEngine:
 
     waits = True
 
-    def __init__(self, jobs: int, prepare: Callable[[Any], None]) -> None:
-        """jobs: number of processes. prepare: called in each of them first, with the flag that asks it to stop."""
+    def __init__(self, jobs: int, prepare: Callable[[Any], None], library: str | None = None) -> None:
+        """jobs: number of processes. prepare: called in each of them first, with the flag that asks it to stop.
+        library: as `solver.library` of the file says; it is there."""
         self.capacity, self.prepare = jobs, prepare
         os.environ.update({name: "1" for name in ONE_THREAD})  # before NumPy is imported there
         self.context = multiprocessing.get_context("forkserver")
-        self.context.set_forkserver_preload([f"{__package__}.preload"])
+        first = [PRELOADED[library]] if library in PRELOADED else []
+        self.context.set_forkserver_preload([*first, f"{__package__}.preload"])
         self.flag = RawValue("b", 0)  # has no lock, which a killed worker might hold for ever
         self.slots: list[tuple[ProcessPoolExecutor, Future[Any] | None]] = [(self._pool(), None) for _ in range(jobs)]
 

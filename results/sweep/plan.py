@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.schema.solving import MAX_CASES
 from ...problems.text import brief
 from .axes import Axis

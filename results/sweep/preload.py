@@ -6,7 +6,7 @@ Importing it has an effect, so nobody else does.
 from __future__ import annotations
 
 from ...problems.load import load_text
-from ...transcription.engines.ipopt import load_library
+from ...transcription.engines.ipopt_library import load_library
 from .case import solve_case
 
 __all__ = ["load_text", "solve_case"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
+from ...problems.lean.records import dataclass
 from .case import ERROR, INTERRUPTED, WORKER_DIED, Answer, Left, Task, failed
 from .engines import Engine
 from .plan import Plan
@@ -71,7 +71,7 @@ def run(
     try:
         while loop.unfinished and not stop():
             loop.submit()
-            for record in loop.answers():
+            for record in loop.answers(stop):
                 report(record)
             report(None)
         engine.stop()
@@ -119,11 +119,16 @@ class _Loop:
             before = self.plan.before(before)
         return None
 
-    def answers(self) -> list[Mapping[str, Any]]:
-        """The records of the cases that have ended by now, which are kept; workers go on while they are written."""
+    def answers(self, stop: Callable[[], bool]) -> list[Mapping[str, Any]]:
+        """The records of the cases that have ended by now, which are kept. Workers go on with others while these are
+        written, unless it is to stop.
+
+        stop: as of `run`.
+        """
         done, _ = wait(self.running, timeout=TICK, return_when=FIRST_COMPLETED)
         ended = sorted(((self.running.pop(future), future) for future in done), key=itemgetter(0))
-        self.submit()
+        if not stop():
+            self.submit()
         return [record for number, future in ended for record in self._ended(number, future)]
 
     def last_answers(self) -> list[Mapping[str, Any]]:

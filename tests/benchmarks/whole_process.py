@@ -1,11 +1,12 @@
 """CPU seconds of whole processes, trajopt beside CasADi's mapped script: `python tests/benchmarks/whole_process.py`.
 
-For each number of segments both are started in turn, so that what else the machine does falls on both, and ratios are
-taken pair by pair: on a busy machine CPU seconds grow, their ratios hardly do. `--repeats`, `--segments` and
-`--minutes` choose; a number of segments whose pairs would take longer than that has fewer of them, at least one.
+For each number of segments they are started in turn: trajopt, trajopt with `solver.library=casadi`, and the script, so
+that what else the machine does falls on all, and ratios to the script are taken run by run: on a busy machine CPU
+seconds grow, their ratios hardly do. `--repeats`, `--segments` and `--minutes` choose; a number of segments whose runs
+would take longer than that has fewer of them, at least one.
 
 What is measured is what a user has: trajopt is installed by pip in a folder of its own, which compiles it to bytecode
-as it installs, and both programs run where Python may keep the bytecode of what else they import. From a checkout
+as it installs, and all programs run where Python may keep the bytecode of what else they import. From a checkout
 where it may not (PYTHONDONTWRITEBYTECODE) each run would compile trajopt again, a third of its CPU seconds.
 """
 
@@ -30,14 +31,19 @@ ROOT = Path(HERE).parents[1]
 
 @dataclass(frozen=True)
 class Pair:
-    """CPU seconds of one run of each."""
+    """CPU seconds of one run of each; fast: of trajopt with CasADi's IPOPT."""
 
     trajopt: float
+    fast: float
     casadi: float
 
     @property
     def ratio(self) -> float:
         return self.trajopt / self.casadi
+
+    @property
+    def fast_ratio(self) -> float:
+        return self.fast / self.casadi
 
 
 def installed(folder: str) -> None:
@@ -50,10 +56,12 @@ def installed(folder: str) -> None:
 def pair(segments: int, problem: str, folder: str) -> Pair:
     """One run of each, the whole process: start-up, imports, solve; of trajopt the error estimate and the file, too."""
     trajopt = [sys.executable, "-c", "from trajopt.cli.main import main; main()", "solve", problem, "-q", "--force"]
+    trajopt += ["--segments", str(segments), "-o", "a.h5"]
     (script,) = SCRIPTS["CasADi mapped"]
-    _, ours, _ = timed([*trajopt, "--segments", str(segments), "-o", "a.h5"], folder)
+    _, ours, _ = timed(trajopt, folder)
+    _, fast, _ = timed([*trajopt, "--set", "solver.library=casadi"], folder)
     _, theirs, _ = timed([sys.executable, str(HERE / script), str(segments)], folder)
-    return Pair(ours, theirs)
+    return Pair(ours, fast, theirs)
 
 
 def pairs(segments: int, repeats: int, minutes: float, problem: str, folder: str) -> list[Pair]:
@@ -67,12 +75,10 @@ def pairs(segments: int, repeats: int, minutes: float, problem: str, folder: str
 
 
 def row(segments: int, found: Sequence[Pair]) -> str:
-    ours, theirs, ratios = ([getattr(own, name) for own in found] for name in ("trajopt", "casadi", "ratio"))
-    middle = statistics.median
-    spread = f"{min(ratios):.2f} to {max(ratios):.2f}"
-    return (
-        f"| {segments} | {len(found)} | {middle(ours):.2f} | {middle(theirs):.2f} | {middle(ratios):.2f} | {spread} |"
-    )
+    names = ("trajopt", "fast", "casadi", "ratio", "fast_ratio")
+    middles = [f"{statistics.median(getattr(own, name) for own in found):.2f}" for name in names]
+    spread = f"{min(own.ratio for own in found):.2f} to {max(own.ratio for own in found):.2f}"
+    return " | ".join(["", str(segments), str(len(found)), *middles, spread, ""]).strip()
 
 
 def main() -> None:
@@ -82,9 +88,9 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=5, help="for each number of segments")
     chosen = parser.parse_args()
     problem = str(ROOT / "problems" / "cartpole.yaml")
-    print(
-        "| segments | pairs | trajopt, CPU s | CasADi mapped, CPU s | ratio | pairs from |\n|--:|--:|--:|--:|--:|--:|"
-    )
+    seconds = ("trajopt, CPU s", "with casadi's IPOPT", "CasADi mapped")
+    heads = ("segments", "runs", *seconds, "ratio", "with casadi's", "runs from")
+    print(f"| {' | '.join(heads)} |\n|{'--:|' * len(heads)}")
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as copy:
         installed(copy)
         for segments in chosen.segments:

@@ -21,13 +21,14 @@ that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the obje
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake
+from ...problems.lean.records import dataclass
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY

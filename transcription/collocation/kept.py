@@ -13,13 +13,14 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Range
 from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.quantities import Range
 from ..program.templates import item
 

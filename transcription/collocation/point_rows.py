@@ -11,10 +11,10 @@ all degrees on a mesh: making and differentiating a template costs more than eva
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ..schemes.mesh import Mesh
 from ..schemes.scheme import Scheme, collocation_scheme
 

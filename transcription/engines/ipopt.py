@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 
-from ...problems.errors import Mistake
+from ...problems.errors import Mistake, SpecError
 from ...problems.text import did_you_mean
-from ..libraries.hidden import hidden
-from ..program.alone import LOCK
 from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
+from .ipopt_library import OPTION, load_library, loaded
 from .linear_solvers import missing_libraries
 from .outcome import COLUMNS, Outcome, Start, Status
 from .rounding import met_to_rounding
@@ -82,21 +79,22 @@ def solve_program(
     nlp: gives the values, derivatives and bounds of the constraints.
     z: initial values of the unknowns, shape (n,).
     lower, upper: bounds of the unknowns, shape (n,); infinite where there is none.
-    options: any of IPOPT's, over DEFAULTS and LARGE_DEFAULTS.
+    options: any of IPOPT's, over DEFAULTS and LARGE_DEFAULTS; and `library`, see `ipopt_library`.
     start: multipliers for a warm start; None for IPOPT's own.
     progress: called with each iteration's record, name in COLUMNS -> number.
     stop: asked at each iteration; true ends the solve with status INTERRUPTED and the last iterate.
     scaling: in place of IPOPT's own; the outcome is that of the unscaled program.
 
-    Raises ValueError for an option that `check_options` would refuse.
+    Raises ValueError for an option that `check_options` would refuse, SpecError for a library that cannot be had.
     """
+    options = _with_library(options or {})
     callbacks = _Callbacks(nlp, progress, stop)
     problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(LARGE_DEFAULTS if nlp.n >= LARGE else {}), **(WARM if start else {})}
-    chosen |= {**(USER_SCALING if scaling else {}), **(options or {})}
+    chosen |= {**(USER_SCALING if scaling else {}), **options}
     if scaling:
         problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
-    _learn_reals(options or {})
+    _learn_reals(options)
     for name, value in chosen.items():
         if not _accepts(problem, name, value):
             raise ValueError(f"IPOPT does not take {name} = {value!r}")
@@ -118,7 +116,8 @@ def solve_program(
         iterations={name: np.array(values) for name, values in callbacks.record.items()},
         solver={
             "engine": "ipopt",
-            "ipopt": ".".join(map(str, load_library().IPOPT_VERSION)),
+            "ipopt": loaded().version,
+            OPTION: loaded().library,
             **chosen,
             "scaling": json.dumps(scaling.sizes if scaling else None),
         },
@@ -133,6 +132,10 @@ _WHOLE = frozenset({"max_iter", "print_level", *(name for name, value in DEFAULT
 
 def check_options(options: Mapping[str, object]) -> list[Mistake]:
     """Ask IPOPT itself whether it takes each option; mistakes stand at solver.<name>."""
+    try:
+        options = _with_library(options)
+    except SpecError as error:
+        return list(error.mistakes)
     problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
     _silence(problem)
     mistakes = []
@@ -142,6 +145,13 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
             remedy = did_you_mean(name, known, otherwise="IPOPT's documentation lists its options and their values")
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
     return mistakes or [Mistake(f"solver.{name}", *told) for name, told in missing_libraries(options, problem).items()]
+
+
+def _with_library(options: Mapping[str, object]) -> dict[str, object]:
+    """IPOPT's own of the options, once the library is loaded that they name. Raises SpecError."""
+    wanted = options.get(OPTION)
+    load_library(None if wanted is None else str(wanted))
+    return {name: value for name, value in options.items() if name != OPTION}
 
 
 def _silence(problem: Any) -> None:
@@ -189,16 +199,6 @@ def _learn_reals(options: Mapping[str, object]) -> None:
         _silence(problem)
         for name in unknown:
             _accepts(problem, name, options[name])
-
-
-def load_library() -> Any:
-    """Import cyipopt without scipy.optimize, unless SciPy is loaded.
-
-    cyipopt imports it for `minimize_ipopt`, which trajopt does not use: 0.45 s of a 1 s run.
-    """
-    with LOCK, nullcontext() if "scipy" in sys.modules else hidden("scipy", absent=True):
-        import cyipopt
-    return cyipopt
 
 
 class _Nothing:

@@ -7,10 +7,10 @@ is discrete: expressions are taken as they were written, so abs is |x| whatever 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.signature import signature
+from ...problems.lean.records import dataclass
 from ...problems.names import variables
 from ...problems.phases.merge import phases_as_written
 from ...problems.problem import Problem

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import IntEnum
 from typing import Any
 
 from ...problems.expressions.functions import FUNCTIONS
+from ...problems.lean.records import dataclass
 from ..libraries.pyomo import StreamBasedExpressionVisitor, native_numeric_types, value
 from ..libraries.pyomo import numeric_expr as ne
 from ..libraries.pyomo import relational_expr as relation

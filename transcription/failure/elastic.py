@@ -13,11 +13,11 @@ Optimization, 2008, on elastic programs). The second term only keeps unknowns th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..layout import Transcription, bounded_start
 from ..program.contract import NonlinearProgram

@@ -9,12 +9,13 @@ has to be relaxed.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import inf, isfinite
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Phase, Problem
 from ...problems.quantities import Range
 from ..engines.ipopt import solve_program

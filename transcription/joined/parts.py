@@ -8,11 +8,12 @@ unknowns at the ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Problem
 from ...problems.text import short_repr
 from ..constraint_kinds import kind_between

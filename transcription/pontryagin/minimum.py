@@ -8,10 +8,11 @@ integral of what H is above the least value found, J + E is no better than the L
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..solution.hamiltonian import Constrained, Values, minimise
 from ..solution.lagrangian import PhaseLagrangian, Samples

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Guess
 from ...problems.text import short_repr
 from ..solution.lagrangian import PhaseLagrangian

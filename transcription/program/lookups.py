@@ -15,7 +15,6 @@ call evaluates the polynomials of the cells with their derivatives.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations_with_replacement
 from math import prod
@@ -24,6 +23,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from ...problems.lean.records import dataclass
 from ...problems.tables.fits import ORDER
 from ...problems.tables.table import Table
 from .backend import lambdify

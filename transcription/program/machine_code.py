@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import symengine as se
 
+from ...problems.lean.records import dataclass
 from .backend import lambdify
 from .lookups import Chain, Lookup, in_order, levels
 

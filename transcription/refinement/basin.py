@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...problems.quantities import TOLERATED_EXCESS
 from ..solution.solution import MeshRecord, Solution
 
 IN_VAIN, GROWN = 2, 1.5
@@ -14,22 +15,40 @@ IN_VAIN, GROWN = 2, 1.5
 UNTRUE = 10.0
 """Times the error of the mesh before: with as much on a finer one, a better objective is not believed."""
 
+FARTHER, EXCEEDED = 5.0, 10.0
+"""Times both error bars: they are estimates, and on coarse meshes one may be too small by half. Another optimum is
+farther away. EXCEEDED: where the mesh before exceeds a bound between its points, and the finer one less. That made it
+better than it may be, by more than multipliers of the few points that hold the bound tell."""
 
 STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
 
 
-def left_basin(before: Solution, after: Solution) -> bool:
-    """Whether the objective of a finer mesh has moved by more than both error bars, and not for the better.
+def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool:
+    """Whether the objective of a finer mesh has moved by far more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
     error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
+
+    before: the solution on the mesh before.
+    after: that on the finer mesh.
+    accuracy: that is asked for, relative to 1 + |J|; a move by less is none.
     """
     if not after.status.usable or not (before.objective_error.applies and after.objective_error.applies):
         return False
     loss = before.problem.sense * (after.objective - before.objective)
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
-    return (abs(loss) if untrue else loss) > before.objective_error.bar + after.objective_error.bar
+    exceeded = _exceeded(before)
+    times = EXCEEDED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else FARTHER
+    bars = before.objective_error.bar + after.objective_error.bar
+    return (abs(loss) if untrue else loss) > max(times * bars, accuracy * (1 + abs(before.objective)))
+
+
+def _exceeded(solution: Solution) -> float:
+    """The largest excess over bounds and path constraints between the points, times its segment's share of its phase:
+    what refinement holds to TOLERATED_EXCESS."""
+    pairs = zip(solution.trajectories, solution.errors, strict=True)
+    return max(float(np.max(error.largest_excess * own.mesh.widths, initial=0.0)) for own, error in pairs)
 
 
 def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:

@@ -19,10 +19,11 @@ a solution is always that of the problem itself; what the term is worth is a par
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.quantities import Variable
 from ...problems.text import short_repr
 from ..layout import Transcription

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 
 PAIRS = tuple((i, j) for i in range(3) for j in range(i + 1))

@@ -6,10 +6,11 @@ width than eta does (the bar is a residual times the error of a costate), so tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..solution.error import ErrorProfile
 from ..solution.objective_error import ObjectiveError

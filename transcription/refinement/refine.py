@@ -26,12 +26,12 @@ at all.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.quantities import TOLERATED_EXCESS
 from ...problems.sets import distinct
 from ...problems.text import short_repr

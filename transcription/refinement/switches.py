@@ -12,11 +12,11 @@ the arcs on both sides. Continued into the segment, from both sides, they tell w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.quantities import Variable
 from ..solution.trajectory import Trajectory
 

@@ -11,11 +11,11 @@ Degrees may differ from segment to segment; segments of one scheme form a group,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .segment import Group, Segment

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 
 CONTROLS = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 0.5, 1.0)}

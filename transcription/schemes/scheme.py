@@ -19,13 +19,13 @@ them say of a segment is the protocol `segment.Segment`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, cast
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis

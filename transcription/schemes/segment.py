@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Phase
 from ...problems.text import short_repr
 

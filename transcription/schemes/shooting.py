@@ -18,12 +18,12 @@ continuous, as its end nodes are shared.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, cast
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from .polynomials import lagrange_basis
 from .runge_kutta import CONTROLS, Table

@@ -7,13 +7,14 @@ tests of exactness, order and costates run over the table.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from ...problems.text import did_you_mean

@@ -17,13 +17,13 @@ times and the parameters.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from math import isfinite, prod
 from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Phase, Problem
 from ...problems.quantities import Constraint, Range
 from ...problems.text import short_repr

@@ -12,11 +12,11 @@ at a time, and importing it costs more than solving a typical problem.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.quantities import Complementarity, Function, Range
 from ...problems.text import short_repr
 from .implicit import consistent_inputs, where_defined

@@ -15,11 +15,11 @@ of what the multipliers miss.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 
 STEPS = 20  # of Newton's method, at most

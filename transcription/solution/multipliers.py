@@ -18,12 +18,12 @@ two; it is taken as 1 in these units.)
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.probe import depends_on
 from ...problems.problem import Phase
 from ...problems.quantities import Function, Range

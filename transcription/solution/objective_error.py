@@ -45,10 +45,11 @@ that begin to act): there what is left is of the same order as the error, and th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription

@@ -20,7 +20,7 @@ side.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
@@ -29,6 +29,7 @@ import numpy as np
 
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.given import EPSILON, Given, difference
+from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
 from ...problems.quantities import Range
 from ...problems.text import short_repr

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
 from ...problems.text import short_repr
 from ..arcs import Course

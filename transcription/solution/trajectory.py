@@ -10,12 +10,12 @@ scheme's collocation nodes:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Guess, Phase
 from ...problems.quantities import Delayed
 from ...problems.sets import without

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ..constraint_kinds import ConstraintKind
 from ..layout import BETWEEN
 from .trajectory import Trajectory

@@ -13,11 +13,11 @@ is then worse than foretold by much of the step, maybe another optimum, is solve
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Start, Status
 from ..layout import Transcription

@@ -8,13 +8,14 @@ stop at a stationary point that is no optimum.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...problems.expressions.structure import form_of
+from ...problems.lean.records import dataclass
 from ...problems.probe import depends_on
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable

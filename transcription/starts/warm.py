@@ -12,10 +12,9 @@ free times and parameters have one multiplier each, which is kept.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from ..constraint_kinds import Multiplier
 from ..engines.outcome import Outcome, Start

@@ -15,12 +15,13 @@ seen on that arc, so that the parabola before it does not count.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.problem import Phase
 from ...problems.quantities import Range
 from ..arcs import CLOSE, CONTROL, HELD, INSIDE, LOWER, PATH, SINGULAR, STATE, UPPER, Arc, Course

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ....problems.lean.records import dataclass
 from ...file.read import Curve, PhaseCurves, Result
 from ...pictures.style import BLACK, BLUE, VERMILION, Frame, Numbers, labelled
 

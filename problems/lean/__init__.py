@@ -1,0 +1,1 @@
+"""What costs less at the start than the standard library has it."""
