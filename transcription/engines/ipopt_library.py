@@ -21,8 +21,8 @@ OPTION = "library"
 BUNDLED, CASADI = "bundled", "casadi"
 PRELOADED = {CASADI: f"{__package__}.preload_casadi"}
 """Word -> the module that has loaded it; without one the library is loaded where it is first asked for."""
-FILES = ("libipopt.so.3", "libipopt.3.dylib")
-"""Of IPOPT in the wheel of CasADi, on Linux and on macOS."""
+FILE = "libipopt.so.3"
+"""Of IPOPT in the wheel of CasADi on Linux; elsewhere the linker would go on with cyipopt's own."""
 
 
 class Loaded(NamedTuple):
@@ -62,7 +62,12 @@ def _load(library: str) -> Loaded:
     if library == CASADI:
         if "ipopt_wrapper" in sys.modules:
             raise _mistake("cyipopt was imported before trajopt, with an IPOPT of its own", "import it after the solve")
-        version = _version(ctypes.CDLL(str(_casadi()), ctypes.RTLD_GLOBAL))  # before cyipopt, which then finds it first
+        path = str(_casadi())
+        try:
+            version = _version(ctypes.CDLL(path))
+            ctypes.CDLL(path, ctypes.RTLD_GLOBAL)  # before cyipopt, which then finds it first
+        except (OSError, AttributeError) as error:  # of another machine, or too old to tell its version
+            raise _mistake("the IPOPT of the package casadi does not fit", "pip install casadi==3.8.2") from error
         _import()
         return Loaded(library, version)
     return Loaded(library, ".".join(map(str, _import().IPOPT_VERSION)))
@@ -83,10 +88,10 @@ def _casadi() -> Path:
     found = find_spec("casadi")
     if found is None or found.origin is None:  # without an origin it is any folder of that name
         raise _mistake("the package casadi is not installed", "pip install casadi==3.8.2, or leave out library")
-    for name in FILES:
-        if (path := Path(found.origin).with_name(name)).is_file():
-            return path
-    raise _mistake("the package casadi that is installed brings no IPOPT", "pip install casadi==3.8.2 from a wheel")
+    path = Path(found.origin).with_name(FILE)
+    if not path.is_file():
+        raise _mistake("the package casadi that is installed brings no IPOPT", "pip install casadi==3.8.2, on Linux")
+    return path
 
 
 def _version(library: ctypes.CDLL) -> str:
