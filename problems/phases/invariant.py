@@ -35,8 +35,8 @@ ALMOST = 1e-6
 
 
 def without_invariants(phase: Phase) -> Phase:
-    """The phase with each path equality that its dynamics keep asked for once; `kept` has their names, `follows` those of the
-    states whose final values follow."""
+    """The phase with each path equality that its dynamics keep asked for once; `kept` has their names, `follows` those
+    of the states whose final values follow."""
     if phase.algebraic or phase.delayed or phase.steps or not any(own.bounds.fixed for own in phase.path):
         return phase
     path, boundary, outputs = list[Constraint](), list(phase.boundary), dict(phase.outputs)
@@ -51,8 +51,8 @@ def without_invariants(phase: Phase) -> Phase:
             follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
     states = tuple(replace(own, final=_almost(own.final)) if own.name in follows else own for own in phase.states)
-    more = {"states": states, "kept": names, "follows": tuple(follows)}
-    return replace(phase, path=tuple(path), boundary=tuple(boundary), outputs=outputs, **more)
+    phase = replace(phase, states=states, kept=names, follows=tuple(follows))
+    return replace(phase, path=tuple(path), boundary=tuple(boundary), outputs=outputs)
 
 
 def kept(problem: Problem) -> Iterator[str]:
