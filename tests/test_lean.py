@@ -8,6 +8,7 @@ import pytest
 
 HEAVY = {"scipy.interpolate", "scipy.stats", "scipy.optimize", "matplotlib", "dask", "jinja2", "latex2mathml"}
 OTHERS = {"trajopt.cli.solving.sweep", "trajopt.cli.result_files.plot", "trajopt.cli.problem_files.export"}  # commands
+FAILURE = {f"trajopt.transcription.failure.{part}" for part in ("relax", "elastic", "conflict", "non_finite", "kinks")}
 START = "from trajopt.cli.main import main; main()"
 
 
@@ -20,7 +21,7 @@ START = "from trajopt.cli.main import main; main()"
         ("check van_der_pol", HEAVY | {"pint"}),  # a file without units
         (
             "solve block_move_min_force -q -o a.h5",
-            HEAVY | OTHERS | {"pint", "multiprocessing", "numpy.ma", "numpy.random"},
+            HEAVY | OTHERS | FAILURE | {"pint", "multiprocessing", "numpy.ma", "numpy.random"},
         ),
     ],
 )

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
-from .failure.relax import explain
 from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
@@ -165,6 +164,8 @@ def _explained(
     guess: Sequence[Curves] | None,
 ) -> Found:
     """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way."""
+    from .failure.relax import explain  # loaded when there is a failure
+
     failed = best[0]
     explanation = explain(problem, meshes, guess, stop=limit.reached)
     if not explanation.settled:

@@ -9,10 +9,6 @@ from ..layout import Transcription
 from ..program.contract import NonlinearProgram
 from ..solution.trajectory import trajectories
 from ..solution.violation import Trouble, Violation
-from .conflict import conflict
-from .dependent import dependent
-from .kinks import vanishing_norm
-from .non_finite import explain_non_finite
 from .runaway import fallen, runaway
 from .violations import counted, violations
 
@@ -34,6 +30,11 @@ def diagnose(
     """
     if outcome.status in (Status.SOLVED, Status.FEASIBLE, *NEVER_RAN):
         return (), Trouble(runaway(transcription, outcome) if fallen(outcome) else "")
+    # what explains a failure is loaded when there is one
+    from .conflict import conflict
+    from .dependent import dependent
+    from .non_finite import explain_non_finite
+
     if outcome.status is Status.INVALID_NUMBER:  # the guess violates much, and that is not why
         told = [explain_non_finite(transcription, outcome.failed)]
         told += [_kink(transcription, outcome.failed[0])] if outcome.failed else []
@@ -51,4 +52,6 @@ def diagnose(
 
 def _kink(transcription: Transcription, z: np.ndarray) -> str:
     """The first norm that vanishes at the unknowns z, shape (n,), and the remedy."""
+    from .kinks import vanishing_norm  # as above
+
     return next(filter(None, map(vanishing_norm, trajectories(transcription, z))), "")
