@@ -78,6 +78,7 @@ class Phase:
     measured: what is compared with data; both times of such a phase are fixed.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     kept: names of path equalities that the dynamics keep, which are asked for once and not among `path`.
+    follows: names of states whose final values follow from others by these, and are held nearly.
     """
 
     name: str
@@ -101,6 +102,7 @@ class Phase:
     measured: tuple[Measured, ...] = ()
     time_parameters: Mapping[str, str] = field(default_factory=dict)
     kept: tuple[str, ...] = ()
+    follows: tuple[str, ...] = ()
 
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""

@@ -3,7 +3,8 @@ r"""Path equalities that the dynamics keep by themselves: the norm of a quaterni
 Where dg/dt = sum_i dg/dx_i f_i is zero whatever u is and whatever x with g(x) = c, that holds at all times if it does
 at one. Asked for at every point besides, it says what the defects say already: the Jacobian loses rank, and the engine
 takes many times the iterations. So it is asked for at the initial time only, and not at all where the initial values
-have it.
+have it. Then final values of all its states are one too many in the same way, and on a mesh, where g drifts by the
+error of the scheme, they contradict each other by that: one of them is held to ALMOST only.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Name
 from ..probe import names_asked
 from ..problem import Phase, Problem
-from ..quantities import Constraint, Output
+from ..quantities import Constraint, Output, Range
 
 SAMPLES, STEPS = 8, 20
 TINY = 1e-30
@@ -27,14 +28,19 @@ ROUNDING = 1e-10
 """Of the sum of the moduli of dg/dx_i f_i: what their sum may be and count as zero."""
 
 MET = 1e-9
-"""Relative to 1 + |c|: what fixed initial values may miss an invariant by."""
+"""Relative to 1 + |c|: what fixed initial or final values may miss an invariant by."""
+
+ALMOST = 1e-6
+"""Relative to 1 + its size: how near a final value that follows from the others is held."""
 
 
 def without_invariants(phase: Phase) -> Phase:
-    """The phase with each path equality that its dynamics keep asked for once; `kept` has their names."""
+    """The phase with each path equality that its dynamics keep asked for once; `kept` has their names, `follows` those
+    of the states whose final values follow."""
     if phase.algebraic or phase.delayed or phase.steps or not any(own.bounds.fixed for own in phase.path):
         return phase
     path, boundary, outputs = list[Constraint](), list(phase.boundary), dict(phase.outputs)
+    follows = list[str]()
     for own in phase.path:
         once = _asked_once(phase, own)
         if once is None:
@@ -42,8 +48,11 @@ def without_invariants(phase: Phase) -> Phase:
         else:
             boundary += once
             outputs[own.name] = Output(own.function)
+            follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
-    return replace(phase, path=tuple(path), boundary=tuple(boundary), outputs=outputs, kept=names)
+    states = tuple(replace(own, final=_almost(own.final)) if own.name in follows else own for own in phase.states)
+    phase = replace(phase, states=states, kept=names, follows=tuple(follows))
+    return replace(phase, path=tuple(path), boundary=tuple(boundary), outputs=outputs)
 
 
 def kept(problem: Problem) -> Iterator[str]:
@@ -51,6 +60,8 @@ def kept(problem: Problem) -> Iterator[str]:
     for phase in problem.phases:
         for name in phase.kept:
             yield f"path constraint '{name}' is kept by the dynamics, so it is asked for at the initial time only"
+        for name in phase.follows:
+            yield f"the final value of {name} follows from the other final values, so it is held to {ALMOST:g} only"
 
 
 def _asked_once(phase: Phase, own: Constraint) -> list[Constraint] | None:
@@ -64,6 +75,29 @@ def _asked_once(phase: Phase, own: Constraint) -> list[Constraint] | None:
     name = "kept by the dynamics"  # no name of a file has spaces
     definitions = {**function.definitions, name: function}
     return [replace(own, function=replace(function, root=Name(0, 0, name, "initial"), definitions=definitions))]
+
+
+def _following(phase: Phase, own: Constraint, chosen: Sequence[str]) -> list[str]:
+    """The state whose final value follows from the others', the one that does most clearly; none where one is free, or
+    where they contradict the constraint. chosen: by other constraints."""
+    assert isinstance(own.function, Expression)
+    asked = sorted(names_asked(own.function))
+    ends = {name: (state.initial, state.final) for state in phase.states if (name := state.name) in asked}
+    if not all(end.fixed for both in ends.values() for end in both):
+        return []
+    last = {name: np.full(SAMPLES, final.lower) for name, (_, final) in ends.items()}
+    missed = float(np.max(np.abs(own.function(last, np) - own.bounds.lower)))
+    left = [name for name in asked if name not in chosen]
+    if not left or not missed <= MET * (1 + abs(own.bounds.lower)):
+        return []
+    slopes = np.abs(_slopes(own.function, last, left)[:, 0])
+    return [left[int(np.argmax(slopes))]] if slopes.max() > 0 else []
+
+
+def _almost(final: Range) -> Range:
+    """The range around a final value that follows from others."""
+    near = ALMOST * (1 + abs(final.lower))
+    return Range(final.lower - near, final.upper + near)
 
 
 def _is_kept(phase: Phase, g: Expression, value: float) -> bool:

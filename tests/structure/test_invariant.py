@@ -1,5 +1,7 @@
 """Path equalities that the dynamics keep: asked for once, with the optimum of the problem without them."""
 
+import math
+
 import pytest
 
 import trajopt
@@ -51,6 +53,38 @@ def test_it_does_not_change_the_optimum(text, name):
     assert found.solved and found.objective == pytest.approx(without.objective, rel=1e-9)
     assert f"path constraint '{name}' is kept by the dynamics" in " ".join(found.notes)
     assert found[name](1.0) == pytest.approx(1 if name == "norm" else 1000, rel=1e-6)  # and is drawn all the same
+
+
+REST = ATTITUDE.replace("w1*q2 + w2*q1), initial: 0}", "w1*q2 + w2*q1), initial: 0, final: 0}").replace(
+    "w2*q2), initial: 1}", "w2*q2), initial: 1, final: cos(1.2)}"
+)
+COMPARTMENTS = """\
+trajopt: 1
+time: {initial: 0, final: 2}
+states:
+  a: {rate: -u*a, initial: 3, final: 1}
+  b: {rate: u*a - v*b, initial: 0, final: 1.5}
+  c: {rate: v*b, initial: 0, final: 0.5}
+controls: {u: {}, v: {}}
+constraints: {path: [{name: all, expression: a + b + c, equals: 3}]}
+objective: {minimize: {integral: u**2 + v**2}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "state", "value"),
+    [(REST, "q1", math.sin(1.2)), (REST.replace("1.2", "0.5"), "q4", math.cos(0.5)), (COMPARTMENTS, "a", 1)],
+)
+def test_a_final_value_that_follows_from_the_others_is_met_and_costs_nothing(text, state, value):
+    found = trajopt.solve(trajopt.load(text))
+    assert found.solved and sum(mesh.iterations for mesh in found.meshes) < 80
+    assert f"the final value of {state} follows from the other final values" in " ".join(found.notes)
+    assert found[state](10.0 if text is not COMPARTMENTS else 2.0) == pytest.approx(value, abs=2.1e-6)
+
+
+def test_final_values_stay_as_they_are_where_one_is_free():
+    (phase,) = build(load_text(COMPARTMENTS.replace(", final: 0.5", ""), "file.yaml")).phases
+    assert phase.kept and not phase.follows and [state.final.fixed for state in phase.states] == [True, True, False]
 
 
 def test_it_is_asked_for_at_the_initial_time_where_that_is_free():
