@@ -1,11 +1,16 @@
 """What tests of several files share: a folder of their own to work in, and processes that start as a user's do."""
 
 import os
+import signal
 
 import pytest
 
 # Where this is set, each process that a test starts compiles all modules anew: a fifth of the time of such tests.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# A shell that starts the tests in the background has it ignored, and every process below would ignore it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
