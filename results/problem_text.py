@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import yaml
@@ -40,12 +39,12 @@ def problem_text(source: Path) -> str:
     One that was solved with overrides, or that reads CSV files, is written anew with what it was solved with; comments
     at the top say so. Raises FileError if the result cannot be read.
     """
-    result, overrides = read(source), summarize(source)["overrides"]
+    result, overrides = read(source), as_text(summarize(source)["overrides"])
     if files_of(result.text):
-        data, why = json.loads(json.dumps(result.spec)), "with its data, and with every default"
+        data, why = dict(result.spec), "with its data, and with every default"
     elif overrides:
-        data, _ = override(read_document(result.text, str(source)), as_text(overrides))
-        why = f"with {', '.join(as_text(overrides))}"
+        data, _ = override(read_document(result.text, str(source)), overrides)
+        why = f"with {', '.join(overrides)}"
     else:
         return result.text if result.text.endswith("\n") else f"{result.text}\n"
     head = "".join(f"# {line}\n" for line in [f"{result.problem}, as it was solved", why])

@@ -44,8 +44,8 @@ CONTRADICTORY = (
 MANY = "the problem may have other optima than that near its guess"
 """What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
 
-FEW = 4
-"""Starts with other static parameters, where there is time."""
+MORE, FEW = 8, 4
+"""Starts with other static parameters: of a problem without time, and of others."""
 
 BOTH_SIDES = 2
 """Of the other starts: controls above, and below, the middle of their bounds."""
@@ -149,7 +149,7 @@ def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
     """What else to start from; usable: whether the problem's own start led to a solution; many: to one of many."""
     if many and chosen_parameters(problem):
         timeless = all(phase.static for phase in problem.phases)
-        return islice(other_parameters(problem), None if timeless else FEW)
+        return other_parameters(problem, MORE if timeless else FEW)
     return islice(other_starts(problem, doubtful=usable), BOTH_SIDES if many else None)
 
 

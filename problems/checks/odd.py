@@ -23,7 +23,7 @@ _ANGLED = frozenset(("sin", "cos", "tan", "cot", "sec", "csc"))
 def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The warnings about a spec of one phase without mistakes."""
     if not spec.shipped:
-        yield from _moves_nothing(spec, symbols)
+        yield from _moves_nothing(symbols)
         yield from _unreachable(spec, symbols)
         yield from _in_no_time(spec, symbols)
     yield from _degrees(spec, symbols)
@@ -34,7 +34,7 @@ def _in(expression: Expression, symbols: Symbols) -> list[Expression]:
     return [expression, *(definition for definition, _ in symbols.function(expression).steps.values())]
 
 
-def _moves_nothing(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+def _moves_nothing(symbols: Symbols) -> Iterator[Finding]:
     """Controls that stand in the objective at most."""
     named, used = set[str](), set[str]()
     for use in symbols.uses:

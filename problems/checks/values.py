@@ -84,7 +84,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
-        checker.errors += too_large(spec, checker.symbols)
+        checker.errors += too_large(checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)
         checker.warnings += odd(spec, checker.symbols)
         checker.warnings += idle_histories(checker.symbols)

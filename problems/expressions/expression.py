@@ -77,6 +77,11 @@ class Expression:
         bound.__dict__.update(nodes=self.nodes, leaves=self.leaves)
         return bound
 
+    def at(self, end: str) -> Expression:
+        """This expression over time, taken at an end: "initial" or "final"."""
+        name = "taken at an end"  # no name of a file has spaces
+        return replace(self, root=Name(0, 0, name, end), definitions={**self.definitions, name: self})
+
     def less(self, name: str) -> Expression:
         """This expression minus a named value: the change in one step, of the value after it."""
         span, text = (0, len(self.text)), f"({self.text}) - {name}"

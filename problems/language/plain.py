@@ -23,5 +23,4 @@ def in_plain(spec: Spec, suffix: str = "") -> tuple[Spec, list[Finding]]:
     """
     spec, mistaken = without_functions(spec)
     spec, refused = integrals_as_states(spec)
-    spec = rates_written_out(spec)
-    return times_as_parameters(spec, suffix), mistaken + refused
+    return times_as_parameters(rates_written_out(spec), suffix), mistaken + refused

@@ -84,11 +84,8 @@ def kept(function: Function) -> Iterator[Kept]:
 def _taken_at(function: Expression, operand: Node, end: str | None) -> Expression:
     """A part of what a function refers to as a function, taken at the end that is meant."""
     text = function.text[operand.start : operand.stop]
-    if end is None:
-        return replace(function, text=text, root=operand)
-    own = "argument of a table"  # no name of a file has spaces
-    definitions = {**function.definitions, own: Expression(text, operand)}
-    return replace(function, text=text, root=Name(0, 0, own, end), definitions=definitions)
+    part = replace(function, text=text, root=operand)
+    return part if end is None else part.at(end)
 
 
 def tables_of(phase: Phase) -> list[str]:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from ..expressions.functions import FUNCTIONS
 from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation, below, skeleton
-from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .occurrences import CONSTANT
@@ -30,8 +29,8 @@ class _Size(NamedTuple):
     depth: int
 
 
-def too_large(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
-    """The expression that would keep the compiler busy for too long, if there is one; spec: otherwise right."""
+def too_large(symbols: Symbols) -> Iterator[Finding]:
+    """The expression that would keep the compiler busy for too long, if there is one; symbols: otherwise right."""
     known: dict[str, _Size] = {}
     lengths: dict[str, int] = {}
     for name, definition in symbols.definitions.items():  # after those that they refer to

@@ -15,15 +15,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Name
-from ..probe import names_asked
+from ..probe import names_asked, slope
 from ..problem import Phase, Problem
 from ..quantities import Constraint, Output, Range
 
 SAMPLES, STEPS = 8, 20
-TINY = 1e-30
-"""The complex step: the derivative has no subtraction in it."""
-
 ROUNDING = 1e-10
 """Of the sum of the moduli of dg/dx_i f_i: what their sum may be and count as zero."""
 
@@ -51,8 +47,15 @@ def without_invariants(phase: Phase) -> Phase:
             follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
     states = tuple(replace(own, final=_almost(own.final)) if own.name in follows else own for own in phase.states)
-    phase = replace(phase, states=states, kept=names, follows=tuple(follows))
-    return replace(phase, path=tuple(path), boundary=tuple(boundary), outputs=outputs)
+    return replace(
+        phase,
+        states=states,
+        path=tuple(path),
+        boundary=tuple(boundary),
+        outputs=outputs,
+        kept=names,
+        follows=tuple(follows),
+    )
 
 
 def kept(problem: Problem) -> Iterator[str]:
@@ -72,9 +75,7 @@ def _asked_once(phase: Phase, own: Constraint) -> list[Constraint] | None:
     given = {state.name: np.float64(state.initial.lower) for state in phase.states if state.initial.fixed}
     if names_asked(function) <= given.keys():
         return [] if abs(function(given, np) - value) <= MET * (1 + abs(value)) else None
-    name = "kept by the dynamics"  # no name of a file has spaces
-    definitions = {**function.definitions, name: function}
-    return [replace(own, function=replace(function, root=Name(0, 0, name, "initial"), definitions=definitions))]
+    return [replace(own, function=function.at("initial"))]
 
 
 def _following(phase: Phase, own: Constraint, chosen: Sequence[str]) -> list[str]:
@@ -122,5 +123,4 @@ def _is_kept(phase: Phase, g: Expression, value: float) -> bool:
 
 def _slopes(g: Expression, values: Mapping[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
     """The derivatives of a function by some names at samples, shape (names, SAMPLES)."""
-    moved = (g({**values, name: values[name] + 1j * TINY}, np) for name in names)
-    return np.array([np.broadcast_to(np.imag(own) / TINY, SAMPLES) for own in moved])
+    return np.array([np.broadcast_to(slope(g, values, name), SAMPLES) for name in names])

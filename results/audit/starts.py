@@ -28,6 +28,7 @@ from .check import Check
 from .trajectory import between_points
 
 NAME = "no better objective from other starts, relative"
+OTHERS = 8  # starts with other static parameters
 POINTS = 100  # about: enough to tell one optimum from another
 MOST_ITERATIONS = 150
 TOLERANCE = 1e-8
@@ -90,7 +91,7 @@ def _origins(problem: Problem) -> Iterator[OtherStart]:
     """Other first trajectories, and other values of the static parameters."""
     if not all(phase.static for phase in problem.phases):
         yield from other_starts(problem, False)
-    yield from other_parameters(problem)
+    yield from other_parameters(problem, OTHERS)
 
 
 def _coarse(meshes: Sequence[Mesh]) -> list[Mesh] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -201,7 +201,7 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
     is: there the excess counts times the jump's share of the phase (see `jumps`), and is told. So is that of a control
     which might as well be held within its bounds: it counts by what that would do (see `_held_within`).
     """
-    weights, t = control_shares(trajectory)[:, None], trajectory.dense.t
+    weights, t, held_within = control_shares(trajectory)[:, None], trajectory.dense.t, cache(_held_within)
     for excess in excesses(trajectory):
         by_segment = np.nan_to_num(trajectory.by_segment(excess.values), nan=np.inf)
         peak, counted = by_segment.ravel(), (by_segment * weights).ravel()
@@ -211,7 +211,7 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
             where += f"; {peak[worst]:.1e} in a jump, {at(trajectory, t[worst])}"
         value = float(counted[k])
         if excess.control and value > tolerance:
-            effect, on = _held_within(trajectory)
+            effect, on = held_within(trajectory)
             if effect <= tolerance:
                 where, value = f"{value:.1e} {where}; held within its bounds it would move {on} by that", effect
         yield Check(f"{excess.name} between the points", value, tolerance, where)

@@ -27,9 +27,6 @@ SHORTEST, LONGEST = 0.3, 3.0
 SPREAD = 2.0
 """Times 1 + its guess, for a static parameter without two bounds."""
 
-FEW = 8
-"""Starts with other static parameters."""
-
 SAME = 1e-5
 """Relative to 1 + |J|: what objectives on one mesh differ by at most, if they are of one optimum."""
 
@@ -51,15 +48,16 @@ def drawn_starts(problem: Problem, count: int, seed: int) -> Iterator[list[Guess
         yield _from(problem, sample)
 
 
-def other_parameters(problem: Problem) -> Iterator[OtherStart]:
-    """FEW starts with other static parameters, and controls that go with them; none where there is none to choose.
+def other_parameters(problem: Problem, count: int) -> Iterator[OtherStart]:
+    """Starts with other static parameters, and controls that go with them; none where there is none to choose.
 
     They are plain random numbers, always the same: as good as a sequence where they are few, and there at once.
 
     problem: of any number of phases.
+    count: how many.
     """
     names = chosen_parameters(problem)
-    for sample in np.random.default_rng(0).random((FEW if names else 0, _size(problem))):
+    for sample in np.random.default_rng(0).random((count if names else 0, _size(problem))):
         guesses = _from(problem, sample)
         values = ", ".join(f"{name} = {guesses[0].parameters[name]:.3g}" for name in names)
         yield OtherStart(shorten(values), guesses)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...problems.expressions.structure import form_of
 from ...problems.lean.records import dataclass
-from ...problems.probe import depends_on
+from ...problems.probe import depends_on, slope
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable
 from ..program.alone import building
@@ -33,9 +33,6 @@ LARGEST = 1e8
 
 NO_SLOPE = 1e-6
 """Of a rate with a control: by less than this the control has no effect to speak of."""
-
-TINY = 1e-30
-"""The complex step: the derivative has no subtraction in it, so any tiny number will do."""
 
 
 Rates = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
@@ -211,6 +208,5 @@ def slopes(phase: Phase, guess: Curves, name: str, states: Sequence[State]) -> l
     s = np.linspace(0.0, 1.0, POINTS)
     values: dict[str, Any] = {**guess.samples(s), **guess.parameters}
     values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
-    values[name] = values[name] + 1j * TINY
     with np.errstate(all="ignore"):
-        return [np.imag(state.rate(values, np)) / TINY for state in states]
+        return [slope(state.rate, values, name) for state in states]
