@@ -82,14 +82,14 @@ def overlay_figure(results: Sequence[Result], bounds: Sequence[Bounds] = (), onl
 
 def _panels(results: Sequence[Result], only: Sequence[str]) -> list[tuple[str, str]]:
     known = dict.fromkeys((kind, name) for kind in CURVE_KINDS for result in results for name in result.names(kind))
-    _check_names([name for _, name in known], only, results)
+    _check_names("--only", [name for _, name in known], only, results)
     return [(kind, name) for kind, name in known if (name in only if only else kind != "output")]
 
 
-def _check_names(known: Sequence[str], wanted: Sequence[str], results: Sequence[Result]) -> None:
+def _check_names(option: str, known: Sequence[str], wanted: Sequence[str], results: Sequence[Result]) -> None:
     if unknown := next((name for name in wanted if name not in known), None):
         what = f'there is no "{unknown}" in {results[0].path}'
-        raise SpecError(Mistake("--only", what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
+        raise SpecError(Mistake(option, what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
 
 
 def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Sequence[Bounds]) -> bool:
@@ -138,7 +138,8 @@ def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure
     Raises SpecError for a name that no result has.
     """
     kinds = [kind for kind in CURVE_KINDS if kind != "costate"]
-    _check_names([n for kind in kinds for result in results for n in result.names(kind)], (across, upwards), results)
+    known = [name for kind in kinds for result in results for name in result.names(kind)]
+    _check_names("--xy", known, (across, upwards), results)
     with look():
         figure, grid = Frame().figure([PLANE], 1, PLANE)
         ax = figure.add_subplot(grid[0, 0])
