@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from trajopt.cli.app import app
 from trajopt.cli.errors import TOLERANCE_MISSED
 
-typer.testing._get_command = cache(get_command)  # it makes all commands anew for each run, longer than many of them take
+typer.testing._get_command = cache(get_command)  # made anew for each run it takes longer than many a run
 
 TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]  # the console script, in any environment
 
