@@ -10,7 +10,7 @@ from command_line import trajopt as command
 
 import trajopt
 from trajopt.problems.build import build, build_all
-from trajopt.problems.expressions.given import difference
+from trajopt.problems.names.given import difference
 from trajopt.results.file.write import image_of
 from trajopt.transcription.loading import load_file, load_yaml
 from trajopt.transcription.settings import schedule_of, settings_of
