@@ -44,7 +44,7 @@ def final(name: str, given: str, place: str, says: str):
 
 VECTORS = [
     rate("vectors of two lengths", "F + e", '"F + e": a vector of 3 and a vector of 2 do not go together'),
-    rate("a cross product in the plane", "cross(e, e)", "cross takes a vector of 3, and this is a vector of 2; write "),
+    rate("a cross product in the plane", "cross(e, e)", "cross takes a vector of 3, and e is a vector of 2; write "),
     rate("a component beyond the last", "F*v[4]", '"v[4]": v has the components v[1] to v[3]'),
     rate("a component before the first", "F*v[0]", '"v[0]": v has the components v[1] to v[3]'),
     rate("a component of one value", "F*m[1]", "for a component make m a vector, by size: 3"),
@@ -57,8 +57,12 @@ VECTORS = [
         "[[1, 2], [3, 4]] @ F",
         "a matrix of 2 by 2 and a vector of 3 have no product @",
     ),
-    rate("a matrix times a vector by *", "[[1, 2], [3, 4]]*e", "write J @ w for a matrix times a vector"),
-    rate("dot of a number", "F*dot(m, F)", "dot takes vectors, and this is one value; write dot(a, b)"),
+    rate(
+        "a matrix times a vector by *",
+        "[[1, 2], [3, 4]]*e",
+        "are multiplied by @, and * goes element by element; write [[1, 2], [3, 4]] @ e",
+    ),
+    rate("dot of a number", "F*dot(m, F)", "dot takes vectors, and m is one value; write dot(a, b); a state or"),
     rate("dot of one vector", "F*dot(F)", "dot takes 2 arguments, not 1"),
     rate("a quaternion of three", "quat_mul(F, F)", "quaternions whose scalar part is last"),
     rate("a vector with a slip", "F^2", "^ is not the power operator"),
@@ -70,7 +74,7 @@ VECTORS = [
     objective("a vector as objective", "F", f"this is a vector of 3, and {ONE_VALUE}"),
     objective("a square of a vector as objective", "F**2", f"this is a vector of 3, and {ONE_VALUE}"),
     size("a vector of no components", "0", "the size is 0; write whole numbers from 1 to 100"),
-    size("a size that is unknown", "M", "M is no variable of a loop"),
+    size("a size that is unknown", "M", "M is no parameter that is a whole number"),
     size("a size that is no number", "true", "this is no size; write a whole number, size: 3"),
     final("an end of the wrong length", "[1, 0]", "final", "this is a list of 2, and has to be a vector of 3"),
     final("an end by a vector of the wrong length", "e", "final", "this is a vector of 2, and has to be a vector of 3"),
