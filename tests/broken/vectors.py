@@ -50,7 +50,7 @@ VECTORS = [
     rate("a component of one value", "F*m[1]", "for a component make m a vector, by size: 3"),
     rate("a slice of a vector", "r[1:3]", "write r[1..3], with both ends included"),
     rate("a scalar rate of a vector", "dot(F, v)", "this is one value, and has to be a vector of 3"),
-    rate("a rate of the wrong length", "[F[1], F[2]]", "this is a vector of 2, and has to be a vector of 3"),
+    rate("a rate of the wrong length", "[F[1], F[2]]", "v is a vector of 3, and its rate a vector of 2; write size: 2"),
     rate("a list that is no matrix", "[[1, 2], 3] @ e", "the items of this list are not alike"),
     rate(
         "a product of the wrong length",
