@@ -100,21 +100,21 @@ class Names:
             for name, entry in entries_of(self.data, section).items():
                 key = next((key for key in RATES if isinstance(entry, dict) and isinstance(entry.get(key), str)), "")
                 if key and (shape := self._shape_of(entry[key])) and name not in self.guessed:
-                    self._compare(name, entry, shape, (*self.path, section, name, key))
+                    self._compare(name, entry, shape, key, (*self.path, section, name, key))
 
-    def _compare(self, name: str, entry: Mapping[str, Any], shape: Shape, path: Path) -> None:
-        """Compare a name with the shape of its rate, which is at a path."""
+    def _compare(self, name: str, entry: Mapping[str, Any], shape: Shape, key: str, path: Path) -> None:
+        """Compare a name with the shape of its rate, which is at a key of its entry, and at a path of the file."""
         known = self.vector(name)
         own, rate = shape_of(known) if known else (), shape[:1] if shape[1:] == (1,) else shape
-        if own == rate or any(map(self.unclear, names_in(entry[path[-1]]))):
+        if own == rate or any(map(self.unclear, names_in(entry[key]))):
             return
         size = shape[0] if len(shape) == 1 else list(shape)
-        remedy = f"write size: {size}, or make the {path[-1]} as long as it is"
+        remedy = f"write size: {size}, or make the {key} as long as it is"
         if known is None:
             remedy = f"write size: {size} beside it, or give one component, as in q[1]"
             self._make(name, entry, shape)
             self.waiting.clear()
-        self.findings.append(Finding(path, f"{name} is {in_words(own)}, and its {path[-1]} {in_words(shape)}", remedy))
+        self.findings.append(Finding(path, f"{name} is {in_words(own)}, and its {key} {in_words(shape)}", remedy))
         self.guessed.add(name)
 
     def _shape(self, size: Any) -> Shape:

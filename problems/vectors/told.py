@@ -35,22 +35,22 @@ class Made(NamedTuple):
     """One component of what is said at a path.
 
     base: the path in the file; of what is said as a list, that of the list.
-    index: of the component. count: of all components.
+    at: the index of the component. of: how many there are.
     """
 
     base: Path
-    index: Index
-    count: int
+    at: Index
+    of: int
 
 
 class Named(NamedTuple):
     """A name that was made: the vector's, and which component it is."""
 
     vector: str
-    index: Index
+    at: Index
 
     def __str__(self) -> str:
-        return f"{self.vector}[{', '.join(str(i + 1) for i in self.index)}]"
+        return f"{self.vector}[{', '.join(str(i + 1) for i in self.at)}]"
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,8 @@ class InWords:
         told: dict[Finding, tuple[int, dict[Index, Finding]]] = {}
         for own in self._where_written(findings):
             made, base = self._origin(own.path)
-            whole = Finding(base, *self._in_words(own, made.index))
-            told.setdefault(whole, (made.count, {}))[1][made.index] = Finding(own.path, *self._in_words(own, None))
+            whole = Finding(base, *self._in_words(own, made.at))
+            told.setdefault(whole, (made.of, {}))[1][made.at] = Finding(own.path, *self._in_words(own, None))
         new: list[Finding] = []
         for whole, (count, singles) in told.items():
             if len(singles) == count > 1:
@@ -101,8 +101,8 @@ class InWords:
 
         index: of the component that it is about; those of this index are told as their vectors. None for as they are.
         """
-        meant = None if _OF_ONE.search(own.what) else -1  # r, and not r[1], for a name that is like r
-        remedy = _MEANT.sub(lambda found: self._name(found[0], meant), own.remedy)
+        one = _OF_ONE.search(own.what) is not None  # r, and not r[1], for a name that is like r
+        remedy = own.remedy if one else _MEANT.sub(lambda found: self._vector(found[0]), own.remedy)
         return self._text(own.what, own.path, index), self._text(remedy, own.path, index)
 
     def _text(self, said: str, path: Path, index: Index | None) -> str:
@@ -111,9 +111,12 @@ class InWords:
         said = _LISTED.sub(lambda found: self._together(found[0].split(", ")), said)
         return _NAME.sub(lambda found: self._name(found[0], index), said)
 
+    def _vector(self, name: str) -> str:
+        return self.names[name].vector if name in self.names else name
+
     def _name(self, name: str, index: Index | None) -> str:
         own = self.names.get(name)
-        return name if own is None else own.vector if own.index == index else str(own)
+        return name if own is None else own.vector if own.at == index else str(own)
 
     def _together(self, listed: Sequence[str]) -> str:
         """A list of names, in which all components of a vector are the vector."""
