@@ -233,12 +233,13 @@ def _doubted(found: Found) -> Found:
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:
-    """Whether a solution is one where the other is none, or has the better objective by more than rounding.
+    """Whether a solution is one where the other is none, or has the better objective by more than rounding; an optimal
+    point does not give way to an acceptable one.
 
     new, old: of one problem.
     sense: +1 where the least is the best, -1 where the largest is.
     """
-    if not new.status.usable or not old.status.usable:
+    if not new.status.may_replace(old.status) or not old.status.usable:
         return new.status.usable and not old.status.usable
     gain = sense * (old.objective - new.objective)
     return gain > 1e-6 * (1 + abs(old.objective))
