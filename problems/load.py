@@ -16,6 +16,7 @@ from .language.conditions import write_conditions
 from .loading.left_out import empty_bounds
 from .loading.options import OptionCheck, refused_options, unsafe_options
 from .loading.stages import without_loops, without_vectors, written_out
+from .phases.order import own_entries
 from .phases.short_forms import is_static
 from .schema import messages
 from .schema.fields import CALLED, STORED
@@ -97,7 +98,7 @@ def load_text(
 def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
     """The mistakes and warnings of `check_spec` and of more checks, which need phases without mistakes."""
     errors, warnings = check_spec(spec, whole)
-    if more is not None and not (errors and (spec.phases or spec.waypoints)):
+    if more is not None and not (errors and own_entries(spec)):
         own, odd = more(spec)
         errors, warnings = errors + own, warnings + odd
     return errors, warnings
