@@ -73,9 +73,9 @@ def load_text(
     """
     document, numbers, overrides, (mistaken, counted) = without_loops(read_document(text, file), overrides)
     write_conditions(document.data, is_static(document.data))
-    document, given, overrides, (origin, wrong, sizes) = without_vectors(document, overrides, numbers)
-    data, locations, early = written_out(document, file, overrides, given, origin)
-    early += mistaken + wrong
+    document, given, overrides, made = without_vectors(document, overrides, numbers)
+    data, locations, early = written_out(document, file, overrides, given, made)
+    early += [*mistaken, *made.findings]
     if options and isinstance(data.get("solver"), dict):
         early += refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     context = {"methods": tuple(methods), CALLED: called_names(data)}
@@ -90,7 +90,7 @@ def load_text(
     errors, warnings = _checked(spec, not early, more)
     if errors or early:
         raise SpecError(locations.mistakes(early + errors))
-    unused = {("parameters", name) for name in counted | sizes}
+    unused = {("parameters", name) for name in counted | made.counted}
     told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ..expressions.expression import Expression, Fault
-from ..expressions.given import Given, given
+from ..expressions.evaluation import Fault
+from ..expressions.expression import Expression
 from ..expressions.tree import External, Name, Node, Number, count, leaves
 from ..models import find_model
 from ..models.model import Equations
@@ -20,6 +20,7 @@ from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
 from .delays import delayed_states
+from .given import Given, given
 from .occurrences import Use, uses
 from .roles import (
     ALGEBRAIC,

@@ -16,9 +16,10 @@ import h5py
 
 from ...problems.errors import FileError, Mistake
 from ...problems.text import shorten
-from .conform import Conformance, Scope
-from .layout import HEAD, RESULT, VERSION, Group
-from .nodes import LayoutError, endless
+from ..declared.conform import Conformance, Scope
+from ..declared.layout import HEAD, RESULT, VERSION
+from ..declared.nodes import LayoutError, endless
+from ..declared.words import Group
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 DEEPEST = 50  # levels of the stored problem

@@ -1,4 +1,4 @@
-"""Measurements in a result file, beside the solution there; and the estimated parameters."""
+"""Measurements in a result file, beside the solution there; the estimated parameters, and the sensitivities."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from .arrays import array_of, group_of, scale_of
+from .arrays import array_of, group_of, scale_of, texts
 
 if TYPE_CHECKING:
     from ...problems.problem import Problem
     from ...transcription.measured.estimated import Estimates
+    from ...transcription.solution.sensitivity import Sensitivities
     from ...transcription.solution.trajectory import Trajectory
 
 
@@ -60,3 +61,17 @@ def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> No
             "missing": found.why_not,
         }
     )
+
+
+def write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
+    """Write what the objective changes by with the numbers of the file.
+
+    group: empty.
+    found: path by path.
+    """
+    group.attrs["missing"] = found.why_not
+    number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
+    for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
+        array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
+    for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
+        array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)
