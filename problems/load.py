@@ -16,6 +16,7 @@ from .language.conditions import write_conditions
 from .loading.left_out import empty_bounds
 from .loading.options import OptionCheck, refused_options, unsafe_options
 from .loading.stages import without_loops, without_vectors, written_out
+from .phases.order import own_entries
 from .phases.short_forms import is_static
 from .schema import messages
 from .schema.fields import CALLED, STORED
@@ -100,7 +101,7 @@ def _checked(spec: Spec, early: Sequence[Finding], more: MoreChecks | None) -> t
     early: what is known to be wrong, with whose values the spec was mended.
     """
     errors, warnings = check_spec(spec, not early)
-    if more is not None and not (errors and (spec.phases or spec.waypoints)):
+    if more is not None and not (errors and own_entries(spec)):
         own, odd = more(spec)
         before = [finding.path for finding in (*early, *errors)]
         errors += [finding for finding in own if not _of_mistaken(finding.path, before)]
