@@ -33,9 +33,6 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
-NOTHING = 1e-6
-"""Of the guessed duration of a phase: a phase shorter than that has shrunk to nothing."""
-
 CONTRADICTORY = (
     Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
     Status.STEP_FAILED,
@@ -186,14 +183,10 @@ def _shrunk(solution: Solution) -> str:
     names = [
         trajectory.phase.name
         for trajectory in solution.trajectories
-        if not trajectory.phase.exact and _duration(trajectory) <= NOTHING * _duration(trajectory.phase.guess)
+        if not (trajectory.phase.exact or trajectory.lasts)
     ]
     which = f"phase{'s' * (len(names) > 1)} {', '.join(names)}" if len(solution.trajectories) > 1 else "the time"
     return f"{which} shrank to nothing from the start of the file" if names else ""
-
-
-def _duration(curves: Curves) -> float:
-    return curves.final_time - curves.initial_time
 
 
 def _explained(
@@ -233,12 +226,13 @@ def _doubted(found: Found) -> Found:
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:
-    """Whether a solution is one where the other is none, or has the better objective by more than rounding.
+    """Whether a solution is one where the other is none, or has the better objective by more than rounding; an optimal
+    point does not give way to an acceptable one.
 
     new, old: of one problem.
     sense: +1 where the least is the best, -1 where the largest is.
     """
-    if not new.status.usable or not old.status.usable:
+    if not new.status.may_replace(old.status) or not old.status.usable:
         return new.status.usable and not old.status.usable
     gain = sense * (old.objective - new.objective)
     return gain > 1e-6 * (1 + abs(old.objective))

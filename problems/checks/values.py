@@ -45,7 +45,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
-    checker = _Checker(spec)
+    checker = _Checker(spec, phase == ALONE)
     checker.errors += mistaken_calls
     checker.errors += declared_names(spec, checker.symbols)
     checker.constants()
@@ -88,8 +88,8 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
 class _Checker:
     """Collects the findings about one spec. A value that is itself mistaken is None, and passes the other checks."""
 
-    def __init__(self, spec: Spec):
-        self.spec, self.symbols = spec, Symbols(spec)
+    def __init__(self, spec: Spec, alone: bool):
+        self.spec, self.symbols, self.alone = spec, Symbols(spec), alone
         self.errors: list[Finding] = list(self.symbols.findings)
         self.warnings: list[Finding] = []
         self.numbers: dict[Path, float] = {}
@@ -222,7 +222,7 @@ class _Checker:
             self.range(("time", "final"), self.spec.time.final),
         )
         self.errors += guess_mistakes(self.spec, self.symbols, times)
-        self.errors += measurement_mistakes(self.spec, self.symbols, times)
+        self.errors += measurement_mistakes(self.spec, self.symbols, times, self.alone)
         self.warnings += measurement_warnings(self.spec, self.symbols)
         self.warnings += guess_warnings(guess, list(declared))
         for path, name, values in values_of(guess, self.numbers):

@@ -25,7 +25,7 @@ def write_measured(group: h5py.Group, trajectory: Trajectory) -> None:
     phase = trajectory.phase
     states = [state.name for state in phase.states]
     for own in phase.measured:
-        x = trajectory.at((own.times - trajectory.t[0]) / (trajectory.t[1] - trajectory.t[0])).x
+        x = trajectory.at(phase.fractions_of(own.times)).x
         values = {"t": own.times, **dict(zip(states, x, strict=True)), **trajectory.parameters}
         with np.errstate(all="ignore"):
             model = np.broadcast_to(own.function(values, np), own.times.shape)

@@ -83,9 +83,9 @@ MEASUREMENTS = [
         "measured: a free end of time",
         "final: T}",
         "final: {lower: 1, upper: 3}}",
-        "measurements.run",
-        "an end of the time is free",
-        line=LINE,
+        "constraints.integral.0",
+        "an integral constraint is of one phase; name the integral under integrals:",
+        line=MEASURED[: MEASURED.index("expression: power, ")].count("\n") + 1,
     ),
     edit(
         "measured: residuals maximised",

@@ -251,9 +251,8 @@ class PhaseBuilder(ABC):
     def residuals(self) -> Any:
         """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
         phase, total = self.phase, 0.0
-        start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
         for own in phase.measured:
-            knots = self.mesh.knots[knots_at(self.mesh, (own.times - start) / duration)]
+            knots = self.mesh.knots[knots_at(self.mesh, phase.fractions_of(own.times))]
             for k, t, y, w in zip(*(a.tolist() for a in (knots, own.times, own.values, own.weights)), strict=True):
                 values = self.at(k, [state.name for state in phase.states], inputs=False)
                 values["t"] = t

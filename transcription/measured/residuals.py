@@ -36,9 +36,8 @@ class Residuals:
         phase: Phase = layout.phase
         states = [state.name for state in phase.states]
         self.functions = PointFunctions([own.function for own in phase.measured], [*states, *names], [TIME], seconds)
-        start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
         self.times = np.unique(np.concatenate([own.times for own in phase.measured]))
-        knots = layout.mesh.knots[knots_at(layout.mesh, (self.times - start) / duration)]
+        knots = layout.mesh.knots[knots_at(layout.mesh, phase.fractions_of(self.times))]
         places = [layout.x[:, knots].T, np.broadcast_to(parameters, (len(knots), len(parameters)))]
         self.columns = np.hstack(places).astype(int)
         self.values, self.weights = np.zeros((2, len(self.times), len(phase.measured)))
@@ -102,7 +101,6 @@ def squares_with(
     value: its number.
     """
     phase = layout.phase
-    start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
-    x = z[layout.x[:, layout.mesh.knots[knots_at(layout.mesh, (own.times - start) / duration)]]]
+    x = z[layout.x[:, layout.mesh.knots[knots_at(layout.mesh, phase.fractions_of(own.times))]]]
     values = {TIME: own.times, **dict(zip((state.name for state in phase.states), x, strict=True)), **p, name: value}
     return float((own.weights * (own.function(values, np) - own.values) ** 2).sum())
