@@ -1,5 +1,8 @@
 """Problems of several phases: from the file to the optimum, for every kind of method; links, order, guesses."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from phased import CURVE, MOVE, loaded, solved
@@ -9,7 +12,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.phases.merge import home, phase_specs
 from trajopt.problems.phases.order import Passage, passages
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.loading import build_checked, load_yaml
+from trajopt.transcription.loading import build_checked, load_file, load_yaml
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import Refine, Settings, Step, schedule_of
 from trajopt.transcription.solve import solve
@@ -247,3 +250,14 @@ def test_tables_in_dynamics_and_links_of_phases():
     assert looked_up.objective == pytest.approx(written.objective, rel=1e-8)
     with pytest.raises(SpecError, match="argument"):
         loaded(MOVE, *given, links % "f(second.x[initial], 2)")
+
+
+@pytest.mark.parametrize("text", [MOVE, "cartpole"])
+def test_a_problem_that_nobody_holds_is_gone(text):
+    """The phases of the spec that was asked for last are kept, but not the spec."""
+    spec = load_file(text) if text == "cartpole" else load_yaml(text)
+    build_checked([spec])
+    held = weakref.ref(spec)
+    del spec
+    gc.collect()
+    assert held() is None
