@@ -33,9 +33,6 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
-NOTHING = 1e-6
-"""Of the guessed duration of a phase: a phase shorter than that has shrunk to nothing."""
-
 CONTRADICTORY = (
     Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
     Status.STEP_FAILED,
@@ -186,14 +183,10 @@ def _shrunk(solution: Solution) -> str:
     names = [
         trajectory.phase.name
         for trajectory in solution.trajectories
-        if not trajectory.phase.exact and _duration(trajectory) <= NOTHING * _duration(trajectory.phase.guess)
+        if not (trajectory.phase.exact or trajectory.lasts)
     ]
     which = f"phase{'s' * (len(names) > 1)} {', '.join(names)}" if len(solution.trajectories) > 1 else "the time"
     return f"{which} shrank to nothing from the start of the file" if names else ""
-
-
-def _duration(curves: Curves) -> float:
-    return curves.final_time - curves.initial_time
 
 
 def _explained(

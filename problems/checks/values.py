@@ -7,6 +7,7 @@ from math import inf, isfinite
 from ..expressions.expression import Expression
 from ..language.functions import called_functions
 from ..language.integrals import where_written
+from ..language.means import place_of_mean
 from ..language.plain import in_plain
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
@@ -45,7 +46,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
-    checker = _Checker(spec)
+    checker = _Checker(spec, phase == ALONE)
     checker.errors += mistaken_calls
     checker.errors += declared_names(spec, checker.symbols)
     checker.constants()
@@ -81,15 +82,17 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     found = (checker.errors, checker.warnings)
-    errors, warnings = ([f._replace(path=where_written(written, f.path)) for f in own] for own in found)
+    errors, warnings = (
+        [f._replace(path=where_written(written, place_of_mean(written, f.path))) for f in own] for own in found
+    )
     return errors, warnings
 
 
 class _Checker:
     """Collects the findings about one spec. A value that is itself mistaken is None, and passes the other checks."""
 
-    def __init__(self, spec: Spec):
-        self.spec, self.symbols = spec, Symbols(spec)
+    def __init__(self, spec: Spec, alone: bool):
+        self.spec, self.symbols, self.alone = spec, Symbols(spec), alone
         self.errors: list[Finding] = list(self.symbols.findings)
         self.warnings: list[Finding] = []
         self.numbers: dict[Path, float] = {}
@@ -222,7 +225,7 @@ class _Checker:
             self.range(("time", "final"), self.spec.time.final),
         )
         self.errors += guess_mistakes(self.spec, self.symbols, times)
-        self.errors += measurement_mistakes(self.spec, self.symbols, times)
+        self.errors += measurement_mistakes(self.spec, self.symbols, times, self.alone)
         self.warnings += measurement_warnings(self.spec, self.symbols)
         self.warnings += guess_warnings(guess, list(declared))
         for path, name, values in values_of(guess, self.numbers):

@@ -82,7 +82,7 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     """
     own = own_entries(spec).get(phase)
     path = where_written(spec, path)
-    if own is None or not path:
+    if own is None or not path or not (spec.phases or spec.waypoints):
         return path
     path = where_written(own, path)
     if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):

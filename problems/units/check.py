@@ -29,7 +29,7 @@ def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     terms = [term._replace(path=home(spec, name, term.path)) for name, own in phases.items() for term in own.check()]
     errors = [f._replace(path=home(spec, name, f.path)) for name, own in phases.items() for f in own.findings]
     unknown = {home(spec, name, path): text for name, own in phases.items() for path, text in own.unknown.items()}
-    if spec.phases or spec.waypoints:
+    if len(phases) > 1:
         across = _Across(spec, phases)
         terms += across.check()
         errors += [*across.reader.findings, *_passages(spec, phases)]

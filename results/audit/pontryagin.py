@@ -32,7 +32,7 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, C
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
         unique = not trajectory.phase.complementarity and not trajectory.phase.exact
-        if trajectory.costate is not None and trajectory.phase.controls and unique and np.ptp(trajectory.t):
+        if trajectory.costate is not None and trajectory.phase.controls and unique and trajectory.lasts:
             yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 

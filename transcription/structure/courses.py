@@ -57,7 +57,8 @@ def courses(
     """
     own = Multipliers(transcription, nlp, outcome)
     phases = zip(transcription.phases, trajectories, strict=True)
-    return tuple(() if layout.phase.exact else _Phase(own, layout, tr).courses for layout, tr in phases)
+    known = (_Phase(own, layout, tr).courses if tr.lasts and not tr.phase.exact else () for layout, tr in phases)
+    return tuple(known)
 
 
 @dataclass(frozen=True)
