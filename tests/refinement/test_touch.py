@@ -1,4 +1,4 @@
-"""The error bar where a trajectory touches a constraint on its states: it does so between two points, not where it would."""
+"""The error bar where a trajectory touches a constraint on its states: between two points, not where it would."""
 
 import pytest
 

@@ -13,13 +13,13 @@ from ...problems.lean.records import dataclass
 from ...problems.quantities import Function
 from ...problems.text import short_repr
 from ..constraint_kinds import INTEGRAL
+from ..dual.multipliers import Density, Measure, Multipliers
 from ..layout import Layout
 from ..schemes.mesh import Mesh
 from ..schemes.segment import Group
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
 from .implicit import Nearby, consistent_inputs, where_defined
-from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
 
 GAUSS_POINTS = 4  # between neighbouring nodes of a segment; 6 change the bar by 1 %

@@ -53,11 +53,11 @@ import numpy as np
 
 from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
+from ..dual.multipliers import Multipliers
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
 from .lagrangian import TERMS, PhaseLagrangian, Terms, no_terms
-from .multipliers import Multipliers
 from .touch import touches
 from .trajectory import Trajectory
 

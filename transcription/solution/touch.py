@@ -13,8 +13,8 @@ V' = 0. The touch belongs V'/V'' earlier, and there the objective is less by
 
     V'^2 / (2 V'').
 
-That is of the second order in the error of tau, but tau is off by as much as the points are apart, and more. On an obstacle
-for a crane it is all of the error: 8.58e-6 = 1.34e-5 - 4.83e-6, which is what both points let pass between them.
+That is of the second order in the error of tau, but tau is off by as much as the points are apart, and more. For a
+crane over an obstacle it is all of the error: 8.58e-6 = 1.34e-5 - 4.83e-6, which is what passes between both points.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dual.multipliers import Measure, Multipliers
 from ..engines.linear import solved
 from .lagrangian import PhaseLagrangian
-from .multipliers import Measure, Multipliers
 
 MOST_POINTS = 3
 """That share one touch; an arc on a constraint has more."""
@@ -66,7 +66,7 @@ def _groups(measure: Measure) -> Iterator[np.ndarray]:
     mass = np.abs(measure.mass)
     held = np.flatnonzero(mass > NONE * mass.max(initial=0.0))
     for group in np.split(held, np.flatnonzero(np.diff(held) > 1) + 1):
-        if 1 <= len(group) <= MOST_POINTS and 0 < group[0] and group[-1] < len(mass) - 1:
+        if 1 <= len(group) <= MOST_POINTS and group[0] > 0 and group[-1] < len(mass) - 1:
             yield group
 
 
