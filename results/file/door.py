@@ -96,7 +96,7 @@ def _size(path: Path) -> int:
         missing = isinstance(error, FileNotFoundError)
         what = "there is no such file" if missing else f"it cannot be read ({(error.strerror or str(error)).lower()})"
         beside = path.with_name(f"{path.name}.h5")
-        remedy = f"did you mean {beside}" if missing and beside.is_file() else ANOTHER
+        remedy = f"did you mean {beside}?" if missing and beside.is_file() else ANOTHER
         raise FileError(Mistake(str(path), what, remedy)) from error
     if not stat.S_ISREG(found.st_mode):
         what = "it is a folder" if stat.S_ISDIR(found.st_mode) else "it is no ordinary file"
