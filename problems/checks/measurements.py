@@ -15,7 +15,7 @@ from ..names.roles import with_article
 from ..names.symbols import Symbols
 from ..phases.observed import observed_phases
 from ..quantities import Range
-from ..schema.measurements import MeasuredEntry
+from ..schema.measurements import MeanEntry, MeasuredEntry
 from ..schema.spec import Spec
 from ..tables.series import TIME
 from ..text import brief, did_you_mean, shorten
@@ -179,7 +179,8 @@ def _free_in_phase(spec: Spec, first: Path, times: tuple[Range | None, Range | N
     if None in times or len(known) == 2:
         return
     measured = {t for entry in spec.measurements.values() for t in entry.data.get(TIME, ())}
-    if not (known and all(t == known[0].lower for t in measured)):
+    means = any(isinstance(entry, MeanEntry) for entry in spec.measurements.values())
+    if means or not (known and all(t == known[0].lower for t in measured)):
         what = "the times of measurements are knots of the mesh, and here an end of the time is free"
         remedy = (
             f"let a phase end at t = {max(measured, default=0.0):g}, the last of them, and another go on from there"

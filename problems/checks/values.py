@@ -7,6 +7,7 @@ from math import inf, isfinite
 from ..expressions.expression import Expression
 from ..language.functions import called_functions
 from ..language.integrals import where_written
+from ..language.means import place_of_mean
 from ..language.plain import in_plain
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
@@ -81,7 +82,9 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     found = (checker.errors, checker.warnings)
-    errors, warnings = ([f._replace(path=where_written(written, f.path)) for f in own] for own in found)
+    errors, warnings = (
+        [f._replace(path=where_written(written, place_of_mean(written, f.path))) for f in own] for own in found
+    )
     return errors, warnings
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -24,11 +24,14 @@ def write_measured(group: h5py.Group, trajectory: Trajectory) -> None:
     """
     phase = trajectory.phase
     states = [state.name for state in phase.states]
+
+    def values(t: np.ndarray) -> dict[str, Any]:
+        x = trajectory.at(phase.fractions_of(t)).x
+        return {"t": t, **dict(zip(states, x, strict=True)), **trajectory.parameters}
+
     for own in phase.measured:
-        x = trajectory.at(phase.fractions_of(own.times)).x
-        values = {"t": own.times, **dict(zip(states, x, strict=True)), **trajectory.parameters}
         with np.errstate(all="ignore"):
-            model = np.broadcast_to(own.function(values, np), own.times.shape)
+            model = own.along(values)
         one = group_of(group, own.name)
         number = scale_of(one, "measurement", np.arange(len(own.times)), "number of the measurement")
         array_of(one, "time", own.times, [number], "time of the measurement", unit=phase.time_unit)
