@@ -22,7 +22,7 @@ from ..yaml.document import in_words
 from .fields import Entry, Formula, Text, either_form, mistake
 
 CHAIN = "chain"
-KINDS = (CHAIN, *MODELS)
+NAMES_OF_MODELS = (CHAIN, *MODELS)
 FIXED, CART, FLOATING = "fixed", "cart", "floating"
 BASE = "base"
 """The name of what the first link hangs on, for `parent:`."""
@@ -157,8 +157,8 @@ class ModelEntry(Entry):
     @field_validator("kind")
     @classmethod
     def _known_kind(cls, value: str) -> str:
-        if value and value not in KINDS:
-            remedy = did_you_mean(value, KINDS, f"the models are {', '.join(KINDS)}")
+        if value and value not in NAMES_OF_MODELS:
+            remedy = did_you_mean(value, NAMES_OF_MODELS, f"the models are {', '.join(NAMES_OF_MODELS)}")
             raise mistake(f'there is no model "{brief(value)}"', remedy)
         return value
 
@@ -166,7 +166,7 @@ class ModelEntry(Entry):
     def _what_a_kind_has(self) -> Self:
         if self.kind == CHAIN and not self.links:
             raise mistake("a chain needs links", "add links: [{mass: 1, length: 0.5, motor: true}]")
-        if self.kind in KINDS[1:] and self.model_fields_set != {"kind"}:
+        if self.kind in NAMES_OF_MODELS[1:] and self.model_fields_set != {"kind"}:
             raise mistake(f"{self.kind} takes no keys here", f"write model: {self.kind}, or kind: {CHAIN}")
         return self
 
