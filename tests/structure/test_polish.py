@@ -1,11 +1,10 @@
 """Solutions solved again in phases by their arcs: exact where they are known, and kept only where they are better."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from command_line import trajopt
 from harvest import STOCK
 from polished import first, limited_energy
 
@@ -187,25 +186,22 @@ def test_phases_of_a_file_say_what_is_fixed_held_and_freed():
     assert three.constraints.path[1].equals.text == "-9" and three.constraints.path[1].lower is None
 
 
-def run(*words):
-    script = "from trajopt.cli.main import main; main()"
-    return subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, check=False)
-
-
 def test_the_command_writes_phases_and_tells_the_structure(folder):
-    done = run("solve", "double_integrator_min_time", "--polish", "-o", "a.h5")
-    assert done.returncode == 0 and "objective   2.000000000 +- " in done.stdout
+    done = trajopt("solve", "double_integrator_min_time", "--polish", "-o", "a.h5")
+    assert done.exit_code == 0 and "objective   2.000000000 +- " in done.stdout
     assert "arcs        u: max until 1, then min\n" in done.stdout and "polished in 2 phases; before, 2" in done.stdout
-    shown = run("show", "a.h5")
+    shown = trajopt("show", "a.h5")
     assert "phase arc2: t = 1 to 2 s" in shown.stdout
-    again = run("solve", "double_integrator_min_time", "--set", "parameters.d=9", "--polish", "-o", "a.h5", "--json")
+    again = trajopt(
+        "solve", "double_integrator_min_time", "--set", "parameters.d=9", "--polish", "-o", "a.h5", "--json"
+    )
     assert (
-        again.returncode == 0
+        again.exit_code == 0
         and '"overrides": {"parameters.d": 9' in again.stdout
         and '"reference": null' in again.stdout
     )
 
 
 def test_what_is_not_polished_is_written_all_the_same(folder):
-    done = run("solve", "block_move_min_force", "--polish", "-o", "b.h5")
-    assert done.returncode == 0 and "note        not polished: it has no switch" in done.stdout
+    done = trajopt("solve", "block_move_min_force", "--polish", "-o", "b.h5")
+    assert done.exit_code == 0 and "note        not polished: it has no switch" in done.stdout
