@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...transcription.dual.multipliers import Multipliers
 from ...transcription.pontryagin.minimum import least_hamiltonian
 from ...transcription.solution.lagrangian import PhaseLagrangian
-from ...transcription.solution.multipliers import Multipliers
 from ...transcription.solution.trajectory import Trajectory
 from ..file.reload import Reloaded
 from .check import Check, at

@@ -9,8 +9,8 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Guess
 from ...problems.text import short_repr
+from ..dual.multipliers import Multipliers
 from ..solution.lagrangian import PhaseLagrangian
-from ..solution.multipliers import Multipliers
 from ..solution.solution import Solution
 from ..solution.trajectory import Trajectory
 from ..solution.violation import of_phase

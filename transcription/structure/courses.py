@@ -27,11 +27,11 @@ from ...problems.quantities import Range
 from ..arcs import CLOSE, CONTROL, HELD, INSIDE, LOWER, PATH, SINGULAR, STATE, UPPER, Arc, Course
 from ..constraint_kinds import BOUND
 from ..constraint_kinds import PATH as PATH_ROWS
+from ..dual.multipliers import Multipliers
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
 from ..program.contract import NonlinearProgram
 from ..refinement.switches import JUMP, Switches
-from ..solution.multipliers import Multipliers
 from ..solution.trajectory import Trajectory
 from .affine import is_affine
 from .runs import arcs_of, snapped, with_touches
