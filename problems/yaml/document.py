@@ -213,8 +213,8 @@ class _Composer:
         if isinstance(event, yaml.ScalarEvent):
             value = scalar(event.value) if event.implicit[0] else event.value
             if isinstance(value, str) and event.end_mark and event.end_mark.line >= self.lines.get(path, self.line):
-                start, end = event.start_mark, event.end_mark  # | and > have no text on their first line
-                self.blocks[path] = range(start.line + (event.style in ("|", ">")), end.line + (end.column > 0))
+                end = event.end_mark  # | and > have no text on their first line
+                self.blocks[path] = range(self.line - (event.style not in ("|", ">")), end.line + (end.column > 0))
         elif isinstance(event, yaml.SequenceStartEvent):
             value = self.sequence(path)
         else:
