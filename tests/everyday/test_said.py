@@ -103,6 +103,20 @@ def test_compare_is_one_table_in_the_order_of_what_differs(folder):
     assert [row.split()[1] for row in rows] == ["2", "9", "10"]
 
 
+def test_compare_is_in_the_order_of_segments_if_nothing_else_differs(folder):
+    (folder / "said.yaml").write_text(FILE)
+    files = [
+        solved_once(folder / f"s{n}.h5", "said.yaml", "--segments", str(n), "--set", "mesh.0.method=trapezoid")
+        for n in (12, 9, 4)
+    ]
+    rows = trajopt("compare", *files).stdout.splitlines()[1:]
+    assert [row.split()[2] for row in rows] == ["4", "9", "12"]
+    assert rows[-1].split()[6] == "0.00e+00"  # the difference is from the first that is named
+    other = solved_once(folder / "other.h5", "said.yaml", "--segments", "4")
+    rows = trajopt("compare", files[0], other).stdout.splitlines()[1:]
+    assert [row.split()[2] for row in rows] == ["12", "4"], "of two methods, as they were given"
+
+
 def test_progress_comes_now_and_then():
     now, told = [0.0], []
     often = EverySoOften(told.append, 10.0, lambda: now[0])
