@@ -21,19 +21,19 @@ import numpy as np
 from ..expressions.expression import Expression
 from ..probe import names_asked, slope
 from ..problem import Phase
-from ..quantities import Constraint, Range
-from .invariant import ALMOST, MET, almost
+from ..quantities import Constraint
+from .invariant import MET, almost
 
 MOST = 12
 """States whose products are looked at; of more, the sums only."""
 
 SAMPLES, STEPS = 5, 15
-RANK = 1e-8
-"""Of the largest singular value, and of the length of a gradient: what is less is zero."""
+ROUNDING, RANK = 1e-10, 1e-8
+"""What is less is zero: of the largest singular value, and of the length of a gradient."""
 
 
 def without_implied(phase: Phase) -> Phase:
-    """The phase with what follows from the rest held to ALMOST: final values in `follows`, and constraints in `implied`."""
+    """The phase with what follows from the rest held to ALMOST: final values in `follows`, constraints in `implied`."""
     if phase.delayed or phase.steps:
         return phase
     if follows := _final_values(phase):
@@ -68,16 +68,14 @@ def _final_values(phase: Phase) -> list[str]:
     if not np.isfinite(matrix).all():
         return []
     kept = _null_space(matrix)
-    first, last = (np.array([end.lower for end in ends]) for ends in zip(*((s.initial, s.final) for s in given)))
-    gradients = np.zeros((kept.shape[1], len(names)))
-    for row, g in zip(gradients, kept.T, strict=True):
-        if abs(_value(g, pairs, last) - _value(g, pairs, first)) > MET * (1 + np.abs(last).max() ** 2):
-            return []  # the final values contradict the dynamics
-        row += g[: len(names)]
-        for (i, j), c in zip(pairs, g[len(names) :], strict=True):
-            row[i] += c * last[j]
-            row[j] += c * last[i]
-    return [names[i] for i in _pivots(gradients)]
+    first, last = (np.array([getattr(state, end).lower for state in given]) for end in ("initial", "final"))
+    if any(abs(_value(g, pairs, last) - _value(g, pairs, first)) > MET * (1 + np.abs(last).max() ** 2) for g in kept.T):
+        return []  # the final values contradict the dynamics
+    gradients = kept[: len(names)].copy()
+    for (i, j), coefficients in zip(pairs, kept[len(names) :], strict=True):
+        gradients[i] += coefficients * last[j]
+        gradients[j] += coefficients * last[i]
+    return [names[i] for i in _pivots(gradients.T)]
 
 
 def _value(g: np.ndarray, pairs: Sequence[tuple[int, int]], x: np.ndarray) -> float:
@@ -85,16 +83,16 @@ def _value(g: np.ndarray, pairs: Sequence[tuple[int, int]], x: np.ndarray) -> fl
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
-    """An orthonormal basis, by columns; columns of a matrix that are zero count as they are."""
+    """An orthonormal basis of the null space, by columns."""
     _, sizes, vectors = np.linalg.svd(matrix, full_matrices=True)
-    rank = int((sizes > RANK**1.25 * sizes.max(initial=0.0)).sum())
+    rank = int((sizes > ROUNDING * sizes.max(initial=0.0)).sum())
     return vectors[rank:].T
 
 
 def _pivots(gradients: np.ndarray) -> list[int]:
     """The columns that the rows determine most clearly, one for each row that is independent of those before."""
     rest, found = gradients.copy(), list[int]()
-    while rest.size and (size := np.abs(rest).max()) > RANK:
+    while np.abs(rest).max(initial=0.0) > RANK:
         row, column = np.unravel_index(np.argmax(np.abs(rest)), rest.shape)
         found.append(int(column))
         rest = rest - np.outer(rest[:, column] / rest[row, column], rest[row])
@@ -134,7 +132,7 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
 
 
 def _met(equal: Sequence[Constraint], free: Collection[str], given: Mapping[str, float]) -> np.ndarray | None:
-    """The gradients by the free values (SAMPLES, constraints, free) at samples that meet all; None if there are none."""
+    """The gradients by the free values, (SAMPLES, constraints, free), at samples that meet all; None without such."""
     random, found = np.random.default_rng(0), []
     for _ in range(SAMPLES):
         x = random.uniform(0.1, 0.9, len(free))

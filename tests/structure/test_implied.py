@@ -112,7 +112,8 @@ def test_one_that_follows_from_given_final_values():
 
 
 def test_a_path_equality_given_twice():
-    path = "  path:\n    - {name: one, expression: u - 2*a, equals: 0}\n    - {name: two, expression: 4*a - 2*u, equals: 0}"
+    one, two = ("{name: one, expression: u - 2*a, equals: 0}", "{name: two, expression: 4*a - 2*u, equals: 0}")
+    path = f"  path: [{one}, {two}]"
     assert built(MOVE.replace("MORE", path)).implied == {"two": ("one",)}
 
 
