@@ -103,7 +103,7 @@ def _pivots(gradients: np.ndarray) -> list[int]:
 
 def _end_values(phase: Phase) -> dict[str, float]:
     """The values at the ends that are given, by the names that boundary constraints have for them."""
-    found = {}
+    found = dict[str, float]()
     for end in ("initial", "final"):
         ranges = {state.name: getattr(state, end) for state in phase.states} | {"t": getattr(phase, f"{end}_time")}
         found |= {f"{name}[{end}]": own.lower for name, own in ranges.items() if own.fixed}
@@ -160,8 +160,9 @@ def _shares(gradients: np.ndarray, others: np.ndarray) -> np.ndarray | None:
     largest = np.zeros(others.shape[1])
     for own, rest in zip(gradients, others, strict=True):
         coefficients = np.linalg.lstsq(rest.T, own, rcond=None)[0] if rest.size else np.zeros(len(rest))
-        left = np.linalg.norm(own - coefficients @ rest)
-        if left > RANK * max(np.linalg.norm(own), RANK):
+        left, size = float(np.linalg.norm(own - coefficients @ rest)), float(np.linalg.norm(own))
+        if left > RANK * max(size, RANK):
             return None
         largest = np.maximum(largest, np.abs(coefficients) * np.linalg.norm(rest, axis=-1))
-    return largest / max(largest.max(initial=0.0), RANK)
+    shares: np.ndarray = largest / max(float(largest.max(initial=0.0)), RANK)
+    return shares
