@@ -59,8 +59,7 @@ def _final_values(phase: Phase) -> list[str]:
     pairs = list(combinations_with_replacement(range(len(names)), 2)) if len(names) <= MOST else []
     samples = 2 * (len(names) + len(pairs))
     asked = sorted({*names}.union(*(names_asked(state.rate) for state in given)))
-    random = np.random.default_rng(0)
-    values = {name: random.uniform(0.1, 0.9, samples) for name in asked}
+    values = dict(zip(asked, _spread(len(asked), samples), strict=True))
     with np.errstate(all="ignore"):
         f = np.array([np.broadcast_to(state.rate(values, np), samples) for state in given])
     x = np.array([values[name] for name in names])
@@ -76,6 +75,12 @@ def _final_values(phase: Phase) -> list[str]:
         gradients[i] += coefficients * last[j]
         gradients[j] += coefficients * last[i]
     return [names[i] for i in _pivots(gradients.T)]
+
+
+def _spread(names: int, samples: int) -> np.ndarray:
+    """Samples of no meaning between 0.1 and 0.9, shape (names, samples), the same each time."""
+    irrational = np.sqrt(np.arange(names) + np.e)
+    return 0.1 + 0.8 * (np.outer(irrational, np.arange(1, samples + 1)) % 1.0)
 
 
 def _value(g: np.ndarray, pairs: Sequence[tuple[int, int]], x: np.ndarray) -> float:
@@ -133,9 +138,8 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
 
 def _met(equal: Sequence[Constraint], free: Collection[str], given: Mapping[str, float]) -> np.ndarray | None:
     """The gradients by the free values, (SAMPLES, constraints, free), at samples that meet all; None without such."""
-    random, found = np.random.default_rng(0), []
-    for _ in range(SAMPLES):
-        x = random.uniform(0.1, 0.9, len(free))
+    found = []
+    for x in _spread(len(free), SAMPLES).T:
         for _ in range(STEPS):
             values = {**given, **dict(zip(free, x, strict=True))}
             with np.errstate(all="ignore"):
