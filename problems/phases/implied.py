@@ -139,7 +139,8 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
 def _met(equal: Sequence[Constraint], free: Collection[str], given: Mapping[str, float]) -> np.ndarray | None:
     """The gradients by the free values, (SAMPLES, constraints, free), at samples that meet all; None without such."""
     found = []
-    for x in _spread(len(free), SAMPLES).T:
+    for sample in _spread(len(free), SAMPLES).T:
+        x = sample
         for _ in range(STEPS):
             values = {**given, **dict(zip(free, x, strict=True))}
             with np.errstate(all="ignore"):
