@@ -131,7 +131,7 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
         if shares is None:
             independent.append(i)
             continue
-        fixed = [name for name in names_asked(own.function) if name in given]
+        fixed = sorted(name for name in names_asked(own.function) if name in given)
         found[own.name] = (*(equal[k].name for k, s in zip(independent, shares, strict=True) if s > RANK), *fixed)
     return found
 
