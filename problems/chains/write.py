@@ -19,23 +19,26 @@ from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import control_of
+from .bodies import Body, control_of
 from .check import mistakes
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
+from .robots import robot_of, write_chain
 from .step import Step
 
 _WORD = re.compile(r"\w+")
 _GIVEN = {
-    "mass": "mass of {}",
-    "length": "length of {}",
-    "com": "centre of mass of {}, from its joint",
-    "inertia": "inertia of {} about its centre of mass",
-    "at": "where {} hangs",
-    "turn": "turn of {} where it is fixed",
-    "torque": "torque on {} beside its motor's",
-    "force": "force that pushes {} out, beside its motor's",
+    "mass": ("mass of {}", "kg"),
+    "length": ("length of {}", "m"),
+    "com": ("centre of mass of {}, from its joint", "m"),
+    "inertia": ("inertia of {} about its centre of mass", "kg*m^2"),
+    "at": ("where {} hangs", "m"),
+    "turn": ("turn of {} where it is fixed", "rad"),
+    "torque": ("torque on {} beside its motor's", "N*m"),
+    "force": ("force that pushes {} out, beside its motor's", "N"),
 }
-"""Keys of a link that become named expressions -> their notes."""
+"""Keys of a link that become named expressions -> their notes and units."""
+
+_OF_CART = {"mass": ("mass of the cart", "kg"), "force": ("force on the cart beside its motor's", "N")}
 
 
 def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
@@ -46,6 +49,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     Returns the path of each value that was made -> what it was made of in the file, and the mistakes that the schema
     cannot see. Where there are any, and where the schema refuses the chain, names alone are written out.
     """
+    of_robot, found = write_chain(data, robot) if (robot := robot_of(data)) else ({}, [])
     if not is_chain(data.get("model")):
         return {}, []
     model: dict[str, Any] = data["model"]
@@ -54,10 +58,11 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     except ValidationError:
         declare(data, model)
         return {}, []
-    if found := mistakes(entry, data):
+    if found := [*found, *mistakes(entry, data)]:
         declare(data, model)
-        return {}, found
-    return _Writer(data, Chain(entry)).write()
+        return of_robot, found
+    short, found = _Writer(data, Chain(entry)).write()
+    return of_robot | short, found
 
 
 def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
@@ -125,7 +130,7 @@ class _Writer:
             self.short[name,] = ("model",)
         return _mapping(self.data, name)
 
-    def define(self, name: str, value: Any, origin: Path, note: str = "of the chain") -> None:
+    def define(self, name: str, value: Any, origin: Path, note: str = "of the chain", unit: str = "") -> None:
         """A named expression; in a full file it is there already."""
         expressions = self.section("expressions")
         given = expressions.get(name, value)
@@ -133,7 +138,7 @@ class _Writer:
         if str(getattr(given, "text", given)) != str(getattr(value, "text", value)):
             self.found.append(Finding(("expressions", name), f"{name} is a name of the chain", "choose another name"))
             return
-        expressions.setdefault(name, {"value": value, "note": note})
+        expressions.setdefault(name, {"value": value, "note": note, **({"unit": unit} if unit else {})})
         self.short["expressions", name] = origin
 
     def coordinates(self) -> None:
@@ -190,10 +195,10 @@ class _Writer:
         """What the file gives of each link, and what a uniform rod has."""
         for i, body in enumerate(self.chain.bodies):
             path: Path = ("model", "links", i)
-            for key, told in _GIVEN.items():
+            for key, (told, unit) in _GIVEN.items():
                 note = told.format(body.name)
                 if (own := getattr(body.link, key)) is not None:
-                    self.define(body.constant(key), own, (*path, key), note)
+                    self.define(body.constant(key), own, (*path, key), note, unit)
                 elif key in ("com", "inertia"):
                     mass, length = body.constant("mass"), body.constant("length")
                     rod = {"com": f"{length}/2", "inertia": f"{mass}*{length}**2/12"}
@@ -203,16 +208,18 @@ class _Writer:
         """What the file gives of gravity, of the cart and of forces."""
         entry = self.chain.entry
         if entry.gravity.text != "0":
-            self.define(GRAVITY, entry.gravity, ("model", "gravity"), "acceleration of gravity")
+            self.define(GRAVITY, entry.gravity, ("model", "gravity"), "acceleration of gravity", "m/s^2")
         for key in ("mass", "force") if entry.cart else ():
             if (own := getattr(entry.cart, key)) is not None:
-                self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), f"{key} of the cart")
+                self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), *_OF_CART[key])
         for number, force in enumerate(entry.forces):
             for axis, name in zip((ACROSS, UP), force_names(force, number), strict=True):
                 if name != "0":
-                    self.define(name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}")
+                    self.define(
+                        name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}", "N"
+                    )
             if force.at is not None:
-                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts")
+                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts", "m")
 
     def formulas(self) -> None:
         """Constants of the mass matrix, and the moments that several equations share."""
@@ -225,14 +232,14 @@ class _Writer:
         places = [(body.name, (body.tip, ALL), f"the tip of {body.name}") for body in chain.bodies]
         for name, (point, share), what in [*places, ("com", chain.centre, "the centre of mass")]:
             asked = {
-                "": ("", partial(chain.position, point)),
-                "v": ("velocity of ", partial(chain.velocity, point, share=share)),
-                "a": ("acceleration of ", partial(chain.acceleration, point, share=share)),
+                "": ("", "m", partial(chain.position, point)),
+                "v": ("velocity of ", "m/s", partial(chain.velocity, point, share=share)),
+                "a": ("acceleration of ", "m/s^2", partial(chain.acceleration, point, share=share)),
             }
             for axis in (ACROSS, UP):
-                for kind, (told, coordinate) in asked.items():
+                for kind, (told, unit, coordinate) in asked.items():
                     if (output := f"{name}_{kind}{axis}") in self.words or not (kind or name == "com"):
-                        self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}")
+                        self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}", unit)
 
     def residuals(self) -> None:
         given = self.data.get("residuals") or []
@@ -257,7 +264,11 @@ class _Writer:
 
 
 def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
-    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip."""
+    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip.
+
+    A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
+    """
+    legs = chain.entry.step and Step(chain, chain.entry.step)
     first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
     if chain.entry.base == CART:
         yield {"ground": f"-{first}/20"}
@@ -266,6 +277,15 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
         yield {"ground": 0}
     for body in chain.bodies:
         ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
-        yield {"line": ends, "name": body.name}
+        yield {"line": ends, "name": body.name, **(look_of(legs, body) if legs else {})}
     tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
-    yield {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
+    own = {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
+    yield {**own, "color": look_of(legs, last)["color"]} if legs else own
+
+
+def look_of(legs: Step, body: Body) -> dict[str, Any]:
+    """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
+    before = legs.before[body.number]
+    if before == body.number:
+        return {"color": "purple"}
+    return {"color": "vermilion", "dashed": True} if body.number < before else {"color": "blue"}

@@ -12,7 +12,6 @@ from ..language.functions import called_functions
 from ..language.integrals import where_written
 from ..language.plain import in_plain
 from ..language.times import TimeParameter
-from ..models import find_model
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
@@ -35,9 +34,7 @@ from .names import title_troubles
 from .odd import odd, unused
 from .tables import beyond_tables
 
-NO_STATES = Finding(
-    ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
-)
+NO_STATES = Finding(("states",), "there must be at least 1 here", "add a state, or model: with a chain of links")
 
 CALLED = RESERVED.union(LACKING, ALIASES)
 """Names that no table and no function of a file may have: some are told to be missing, with what does their work."""
@@ -50,7 +47,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     whole: as of `checks.phases.check_spec`.
     phase: its name; of several, none needs an objective.
     """
-    if not (spec.shipped or spec.states or spec.static):
+    if not (spec.states or spec.static):
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
@@ -113,23 +110,15 @@ class _Checker:
         """Names are words, not reserved, and each declared once."""
         spec = self.spec
         first: dict[str, str] = {}
-        model = find_model(spec.shipped) if spec.shipped else None
         for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
-            own = getattr(model, group, {})
-            first |= dict.fromkeys(own, f"the model's {group}")
             for name in getattr(spec, group):
                 if group == "expressions" and set("()") & set(name):
                     self.function(name, first)
-                elif name not in own and not isinstance(spec.optimize.get(name), TimeParameter):
+                elif not isinstance(spec.optimize.get(name), TimeParameter):
                     self.name((group, name), name, first)
         for state in self.symbols.states:
             if state.velocity_of:
                 self.name(state.path, state.name, first)
-        for name in self.symbols.equations.outputs if self.symbols.equations else ():
-            if name in first:
-                self.error(
-                    (first[name], name), f"{name} is an output of the model {spec.shipped}", "choose another name"
-                )
 
     def function(self, key: str, first: dict[str, str]) -> None:
         """A name with arguments."""
@@ -245,8 +234,7 @@ class _Checker:
             self.warn(path, what, "choose a guess inside; the solver moves it there first")
 
     def constraint_names(self) -> None:
-        equations = self.symbols.equations
-        given = {*equations.path, *equations.boundary, *equations.residuals} if equations else set()
+        given: set[str] = set()
         paths = [path for path, _ in constraints(self.spec)]
         paths += [("residuals", i) for i in range(len(self.spec.residuals))]
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):

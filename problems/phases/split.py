@@ -54,8 +54,7 @@ def why_not(spec: Spec) -> str:
     reasons = {
         "it has phases already": spec.phases or spec.waypoints,
         "it has no continuous time": spec.static or spec.discrete,
-        f"what the model {spec.shipped} asks of the two ends would hold in every phase": spec.shipped,
-        "a chain of links writes its states and equations itself": spec.model.kind and not spec.shipped,
+        "a chain of links writes its states and equations itself": spec.model.kind,
         "one of two things is zero in it (complementarity), which has no smooth arcs": spec.complementarity,
         "abs, min and max are not smooth within an arc": spec.nonsmooth,
         "states at earlier times are of one phase": any(use.context == HISTORY for use in own),
