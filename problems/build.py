@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cached_property, partial
 
 from .expressions.expression import Expression
-from .expressions.given import given
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
 from .guesses.delayed import with_delayed
@@ -16,6 +15,7 @@ from .language.times import TimeParameter, beyond_parameter
 from .lean.records import dataclass
 from .measured import measured
 from .names.delays import DelayedState
+from .names.given import given
 from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
 from .names.variables import Declared, DeclaredState

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
@@ -18,6 +20,35 @@ TEMPLATE = "template"
 def shipped() -> dict[str, Path]:
     """Name -> file of every shipped problem, in alphabetical order."""
     return {path.stem: path for path in sorted(_FOLDER.glob("*.yaml")) if path.stem != TEMPLATE}
+
+
+@dataclass(frozen=True)
+class Listed:
+    """What the list of the shipped problems says of one.
+
+    reference: the known value of the objective, None if there is none.
+    """
+
+    name: str
+    tags: tuple[str, ...]
+    source: str
+    reference: float | None
+
+
+def listed() -> dict[str, Listed]:
+    """Name -> what is listed of every shipped problem, in alphabetical order.
+
+    Nothing is checked: to load all of them takes twenty times as long, and the tests do that.
+    """
+    return {
+        name: _listed(read_document(path.read_text(encoding="utf-8"), path.name).data)
+        for name, path in shipped().items()
+    }
+
+
+def _listed(data: Any) -> Listed:
+    known = data.get("reference")
+    return Listed(data["name"], tuple(data["tags"]), data["source"], known and float(known["objective"]))
 
 
 def find_problem(name: str) -> Path:

@@ -16,6 +16,7 @@ from .language.conditions import write_conditions
 from .loading.left_out import empty_bounds
 from .loading.options import OptionCheck, refused_options, unsafe_options
 from .loading.stages import without_loops, without_vectors, written_out
+from .phases.order import own_entries
 from .phases.short_forms import is_static
 from .schema import messages
 from .schema.fields import CALLED, STORED
@@ -72,9 +73,9 @@ def load_text(
     """
     document, numbers, overrides, (mistaken, counted) = without_loops(read_document(text, file), overrides)
     write_conditions(document.data, is_static(document.data))
-    document, given, overrides, (origin, wrong, sizes) = without_vectors(document, overrides, numbers)
-    data, locations, early = written_out(document, file, overrides, given, origin)
-    early += mistaken + wrong
+    document, given, overrides, made = without_vectors(document, overrides, numbers)
+    data, locations, early = written_out(document, file, overrides, given, made)
+    early += [*mistaken, *made.findings]
     if options and isinstance(data.get("solver"), dict):
         early += refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     context = {"methods": tuple(methods), CALLED: called_names(data)}
@@ -84,23 +85,33 @@ def load_text(
         spec = Spec.model_validate(data, context=context)
     except ValidationError as error:
         rest = repair(data, error)
-        found = early + messages.findings(error, locations) + (_checked(rest, False, more)[0] if rest else [])
-        raise SpecError(locations.mistakes(found)) from None
-    errors, warnings = _checked(spec, not early, more)
+        early += messages.findings(error, locations)
+        raise SpecError(locations.mistakes(early + (_checked(rest, early, more)[0] if rest else []))) from None
+    errors, warnings = _checked(spec, early, more)
     if errors or early:
         raise SpecError(locations.mistakes(early + errors))
-    unused = {("parameters", name) for name in counted | sizes}
+    unused = {("parameters", name) for name in counted | made.counted}
     told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)
 
 
-def _checked(spec: Spec, whole: bool, more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
-    """The mistakes and warnings of `check_spec` and of more checks, which need phases without mistakes."""
-    errors, warnings = check_spec(spec, whole)
-    if more is not None and not (errors and (spec.phases or spec.waypoints)):
+def _checked(spec: Spec, early: Sequence[Finding], more: MoreChecks | None) -> tuple[list[Finding], list[Finding]]:
+    """The mistakes and warnings of `check_spec` and of more checks, which need phases without mistakes.
+
+    early: what is known to be wrong, with whose values the spec was mended.
+    """
+    errors, warnings = check_spec(spec, not early)
+    if more is not None and not (errors and own_entries(spec)):
         own, odd = more(spec)
-        errors, warnings = errors + own, warnings + odd
+        before = [finding.path for finding in (*early, *errors)]
+        errors += [finding for finding in own if not _of_mistaken(finding.path, before)]
+        warnings = warnings + odd
     return errors, warnings
+
+
+def _of_mistaken(path: Place, mistaken: Sequence[Place]) -> bool:
+    """Whether a path is of measurements in which something is mistaken: what they add up to is not known then."""
+    return path[-2:-1] == ("measurements",) and any(own[: len(path)] == path for own in mistaken)
 
 
 def load_stored(data: Mapping[str, Any], file: str) -> Spec:

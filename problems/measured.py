@@ -10,7 +10,7 @@ from .expressions.expression import Expression
 from .names.symbols import Symbols
 from .names.variables import reference
 from .quantities import Measured
-from .schema.measurements import MeasuredEntry
+from .schema.measurements import MeanEntry, MeasuredEntry
 from .schema.spec import Spec
 from .tables.series import TIME
 
@@ -33,8 +33,11 @@ def measured(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
 
     spec, symbols: of the phase, without mistakes.
     """
+    initial, final = symbols.range(spec.time.initial), symbols.range(spec.time.final)
+    ends = initial.lower, final.upper
     for name, entry in spec.measurements.items():
         times = np.array(entry.data[TIME], float)
+        means = entry.means if isinstance(entry, MeanEntry) else {}
         for column, expression in compared(entry, symbols).items():
             values, deviations = _numbers(entry.data[column]), _of(entry, column, len(times))
             there = np.isfinite(values) & np.isfinite(deviations)
@@ -42,13 +45,31 @@ def measured(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
                 name=f"{name}.{column}",
                 column=column,
                 function=symbols.function(expression),
-                expression=expression.text,
-                unit=_unit(expression.text, symbols, spec),
+                expression=means.get(column, expression).text,
+                unit=_unit(means.get(column, expression).text, symbols, spec),
                 times=times[there],
                 values=values[there],
                 deviations=deviations[there],
                 exact=entry.deviations is not None,
+                spans=spans(times[there], *ends) if column in means else None,
+                state=expression.text if column in means else "",
             )
+
+
+def spans(times: np.ndarray, begin: float, end: float) -> np.ndarray:
+    """From when to when the mean at each time is, (M, 2): half the way to its neighbours, as far to the other side of
+    the first and the last, and no farther than the ends of the phase.
+
+    times: (M,), which do not fall.
+    begin, end: of the phase.
+    """
+    own, which = np.unique(times, return_inverse=True)
+    if len(own) == 1:
+        return np.tile([begin, end], (len(times), 1))
+    inner = (own[1:] + own[:-1]) / 2
+    first, last = max(begin, 2 * own[0] - inner[0]), min(end, 2 * own[-1] - inner[-1])
+    edges = np.concatenate([[first], inner, [last]])
+    return np.stack([edges[:-1], edges[1:]], axis=1)[which]
 
 
 def _of(entry: MeasuredEntry, column: str, count: int) -> np.ndarray:
@@ -66,5 +87,6 @@ def _numbers(column: list[float | None]) -> np.ndarray:
 
 def _unit(name: str, symbols: Symbols, spec: Spec) -> str:
     """That of the state or the named expression that is measured by itself."""
-    units: Mapping[str, str] = {state.name: state.unit for state in symbols.states}
+    varying = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    units: Mapping[str, str] = {variable.name: variable.unit for variable in varying}
     return units.get(name) or (spec.expressions[name].unit if name in spec.expressions else "")

@@ -75,7 +75,7 @@ class Phase:
     steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
     then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
-    measured: what is compared with data; both times of such a phase are fixed.
+    measured: what is compared with data; both times of such a phase are fixed, or it is all at one that is.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     kept: names of path equalities that the dynamics keep, which are asked for once and not among `path`.
     follows: names of states whose final values follow from others by these, and are held nearly.
@@ -107,6 +107,13 @@ class Phase:
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""
         return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
+
+    def fractions_of(self, t: np.ndarray) -> np.ndarray:
+        """The normalised times of what is measured at t, of any shape; of a phase with one given end all is there."""
+        start, end = self.initial_time, self.final_time
+        if start.fixed and end.fixed:
+            return (t - start.lower) / (end.lower - start.lower)
+        return np.full(np.shape(t), 1.0 if end.fixed else 0.0)
 
     @property
     def static(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import field
 from math import inf
 from typing import Any, Protocol
@@ -153,7 +153,8 @@ class Measured:
 
     name: in results. column: of the data. function, expression: h, and as it is written. times: (M,) within the phase,
     which do not fall. values, deviations: (M,) standard deviations. exact: whether these are known; else they are up to
-    a common factor.
+    a common factor. spans: of a mean, (M, 2) from when to when; state: its integral so far, which
+    the function then is.
     """
 
     name: str
@@ -165,6 +166,26 @@ class Measured:
     values: np.ndarray
     deviations: np.ndarray
     exact: bool
+    spans: np.ndarray | None = None
+    state: str = ""
+
+    @property
+    def instants(self) -> np.ndarray:
+        """The times at which the states are asked for: each is a knot."""
+        return self.times if self.spans is None else self.spans.ravel()
+
+    def along(self, values: Callable[[np.ndarray], Mapping[str, Numeric]]) -> np.ndarray:
+        """What is compared with the measurements, (M,).
+
+        values: times (M,) -> what functions are called with there.
+        """
+        if self.spans is None:
+            h = self.function(values(self.times), np)
+        else:
+            a, b = self.spans.T
+            h = (self.function(values(b), np) - self.function(values(a), np)) / (b - a)
+        found: np.ndarray = np.broadcast_to(h, self.times.shape)
+        return found
 
     @property
     def weights(self) -> np.ndarray:

@@ -117,7 +117,7 @@ def _along(result: Reloaded, number: int, claimed: float, tolerance: float, hold
     yield from complementary(trajectory)
     if trajectory.phase.complementarity:
         yield Check("optimality", 0.0, 0.0, f"not looked at: {NOT_UNIQUE}")
-    elif not np.ptp(trajectory.t):
+    elif not trajectory.lasts:
         yield Check("optimality", 0.0, 0.0, "not looked at: the phase takes no time")
     elif trajectory.costate is not None:
         yield from optimality(result, number, claimed, tolerance)

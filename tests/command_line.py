@@ -4,12 +4,17 @@ import json
 import subprocess
 import sys
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
+import typer.testing
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from trajopt.cli.app import app
 from trajopt.cli.errors import TOLERANCE_MISSED
+
+typer.testing._get_command = cache(get_command)  # made anew for each run it takes longer than many a run
 
 TRAJOPT = [sys.executable, "-c", "from trajopt.cli.main import main; main()"]  # the console script, in any environment
 

@@ -1,9 +1,14 @@
 """What tests of several files share: a folder of their own to work in, and processes that start as a user's do."""
 
+import gc
 import os
 import signal
 
 import pytest
+
+# As trajopt does, but before a test file imports numpy: more threads than cores only wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # Where this is set, each process that a test starts compiles all modules anew: a fifth of the time of such tests.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -11,6 +16,12 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # A shell that starts the tests in the background has it ignored, and every process below would ignore it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish():
+    """Seven thousand tests are no garbage, and need not be searched for it each time that there might be some."""
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 100)
 
 
 @pytest.fixture

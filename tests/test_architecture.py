@@ -175,6 +175,7 @@ def test_every_module_is_named_in_the_design_notes(layer):
 def test_only_the_rooms_of_result_files_and_of_sweeps_know_hdf5():
     importing = {path for path in FILES if re.search(r"^ *(import|from) h5py", path.read_text(), re.M)}
     assert {path.parent.relative_to(ROOT).as_posix() for path in importing} == {
+        "results/declared",
         "results/file",
         "results/sweep",
     }

@@ -101,8 +101,9 @@ def test_broken_file(case, tmp_path):
     assert result.exit_code == {"spec": 2, "file": 3}[case.kind]
     assert result.stdout == ""
     lines = result.stderr.splitlines()
-    assert lines and all(line.startswith("error: ") and "; " in line for line in lines)
-    assert case.says in result.stderr
+    assert lines and all(line.startswith("error: ") and "; " in line and len(line) < 700 for line in lines)
+    place = case.place if case.place.startswith("--set") else f"{path}{case.place}"
+    assert any(line.startswith(f"error: {place}") and case.says in line for line in lines), result.stderr
     assert [found.name for found in tmp_path.iterdir()] == ["in"]
 
 

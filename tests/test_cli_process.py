@@ -12,6 +12,7 @@ import broken
 import h5py
 import pytest
 from command_line import OPTION_FILES, TRAJOPT, process, trajopt
+from named import share
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -70,7 +71,7 @@ def test_mistakes_and_files_have_their_exit_codes():
 
 def test_every_mistake_of_many_files_in_one_run(folder):
     """The list of broken files as a user would check them: no traceback, a sentence each, not slow."""
-    cases = [case for case in broken.CASES if case.kind == "spec" and not case.overrides]
+    cases = share([case for case in broken.CASES if case.kind == "spec" and not case.overrides], 5)
     names = [f"{number}.yaml" for number in range(len(cases))]
     for name, case in zip(names, cases, strict=True):
         Path(name).write_bytes(case.content)

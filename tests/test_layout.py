@@ -6,8 +6,9 @@ import h5py
 import pytest
 from hostile.files import RESULTS, good_results
 
+from trajopt.results.declared.layout import MESH, PHASE, RESULT, SOLVER
+from trajopt.results.declared.words import Array, Each, Group
 from trajopt.results.file.arrays import NO_VARIABLE
-from trajopt.results.file.layout import MESH, PHASE, RESULT, SOLVER, Array, Each, Group
 
 
 @pytest.fixture(scope="module")

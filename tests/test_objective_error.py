@@ -11,11 +11,11 @@ from named import problem_named
 from trajopt.problems.problem import Guess, Phase, Problem
 from trajopt.problems.quantities import Constraint, Range, State, Variable
 from trajopt.problems.text import with_bar
+from trajopt.transcription.dual.multipliers import Multipliers
 from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solution.hamiltonian import Constrained, minimise
-from trajopt.transcription.solution.multipliers import Multipliers
 from trajopt.transcription.solution.objective_error import ROUNDING, objective_error
 from trajopt.transcription.solve import solve
 

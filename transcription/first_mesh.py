@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
+from typing import Protocol
 
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
@@ -32,9 +33,6 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
-NOTHING = 1e-6
-"""Of the guessed duration of a phase: a phase shorter than that has shrunk to nothing."""
-
 CONTRADICTORY = (
     Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
     Status.STEP_FAILED,
@@ -50,8 +48,11 @@ MORE, FEW = 8, 4
 BOTH_SIDES = 2
 """Of the other starts: controls above, and below, the middle of their bounds."""
 
-Run = Callable[[Sequence[Curves], Limit, bool], Found]
-"""A solve on the first mesh, or on one with twice its segments, from other trajectories, until a limit is reached."""
+
+class Run(Protocol):
+    """A solve on the first mesh, or a finer one with twice its segments, from other trajectories, within a limit."""
+
+    def __call__(self, guess: Sequence[Curves], limit: Limit, *, finer: bool = False) -> Found: ...
 
 
 def solve_first_mesh(
@@ -78,7 +79,7 @@ def solve_first_mesh(
     first = time.process_time() - began
     seconds = max(SECONDS, TIMES * first)
 
-    def run(guess: Sequence[Curves], limit: Limit, finer: bool = False) -> Found:
+    def run(guess: Sequence[Curves], limit: Limit, *, finer: bool = False) -> Found:
         own, limited = [mesh.halved() for mesh in meshes] if finer else meshes, replace(watch, stop=limit.reached)
         return solve_mesh(problem, own, tolerance, settings, replace(start, guess=guess, near=None), limited)
 
@@ -135,7 +136,7 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
         if limit.reached():
             break
         tried += 1
-        found = run(other.guesses, limit, False)
+        found = run(other.guesses, limit)
         if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(found, best, run, limit)):
             best, words = found, other.words
             if not doubt:
@@ -168,7 +169,7 @@ def _stays_better(new: Found, old: Found, run: Run, limit: Limit) -> bool:
     do not see."""
     if all(phase.static for phase in new[0].problem.phases):
         return True
-    finer = [run(found[0].trajectories, limit, True)[0] for found in (new, old)]
+    finer = [run(found[0].trajectories, limit, finer=True)[0] for found in (new, old)]
     return finer[0].status.usable and better(finer[0], finer[1], new[0].problem.sense)
 
 
@@ -182,14 +183,10 @@ def _shrunk(solution: Solution) -> str:
     names = [
         trajectory.phase.name
         for trajectory in solution.trajectories
-        if not trajectory.phase.exact and _duration(trajectory) <= NOTHING * _duration(trajectory.phase.guess)
+        if not (trajectory.phase.exact or trajectory.lasts)
     ]
     which = f"phase{'s' * (len(names) > 1)} {', '.join(names)}" if len(solution.trajectories) > 1 else "the time"
     return f"{which} shrank to nothing from the start of the file" if names else ""
-
-
-def _duration(curves: Curves) -> float:
-    return curves.final_time - curves.initial_time
 
 
 def _explained(
@@ -209,7 +206,7 @@ def _explained(
         return best
     if not explanation.feasible:
         return replace(failed, relief=explanation.relief), best[1]
-    solution, solved = run(explanation.curves, limit, False)
+    solution, solved = run(explanation.curves, limit)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
         return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved
@@ -229,12 +226,13 @@ def _doubted(found: Found) -> Found:
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:
-    """Whether a solution is one where the other is none, or has the better objective by more than rounding.
+    """Whether a solution is one where the other is none, or has the better objective by more than rounding; an optimal
+    point does not give way to an acceptable one.
 
     new, old: of one problem.
     sense: +1 where the least is the best, -1 where the largest is.
     """
-    if not new.status.usable or not old.status.usable:
+    if not new.status.may_replace(old.status) or not old.status.usable:
         return new.status.usable and not old.status.usable
     gain = sense * (old.objective - new.objective)
     return gain > 1e-6 * (1 + abs(old.objective))

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..problems.lean.records import dataclass
 from ..problems.problem import Curves, Problem
+from .dual.multipliers import Multipliers
 from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .failure.diagnose import diagnose
@@ -25,7 +26,6 @@ from .scaling import Scaling, scale
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.error import ErrorProfile, error_profile
-from .solution.multipliers import Multipliers
 from .solution.objective_error import ObjectiveError, objective_error
 from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories

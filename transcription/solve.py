@@ -32,8 +32,14 @@ from .structure.estimates import estimates
 from .structure.prices import prices
 from .transcribe import numbers_of, refused
 
-ENDED = {Status.INTERRUPTED: "was interrupted", Status.TIME_LIMIT: "was not solved within the time limit"}
-"""Statuses of a solve that was told to end, and how a mesh is called that ended so."""
+ENDED = {
+    Status.INTERRUPTED: "was interrupted",
+    Status.TIME_LIMIT: "was not solved within the time limit",
+    Status.ACCEPTABLE: Status.ACCEPTABLE.message,
+}
+"""How a mesh is called that ended with one of these statuses; of all others, that it failed."""
+
+TOLD_TO_END = (Status.INTERRUPTED, Status.TIME_LIMIT)
 
 OF_GAIN = 2.0
 """What other controls may gain, as a multiple of what the Hamiltonian says: that is of first order."""
@@ -97,8 +103,9 @@ def solve(
     stop: asked at each iteration; true ends the solve and keeps the last iterate.
 
     A failed solve ends the schedule and is told by the status; one on a refined mesh ends refinement, and the solution
-    before it is kept. So it is when a later mesh of the same problem is interrupted or runs out of time. The history
-    tells of every mesh solved, a coarse one before a large first one too.
+    before it is kept. So it is when a later mesh of the same problem is interrupted or runs out of time, and when the
+    last ones end at acceptable points only, unless `accept` asks for no more. The history tells of every mesh solved, a
+    coarse one before a large first one too.
 
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
@@ -111,7 +118,8 @@ class _Loop:
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
     discarded: those whose solves were not kept.
-    last: the solution to give back. stopped: why no mesh came after its own. unmet: its segments that miss the
+    last: the solution to give back. optimal: the last that is optimal, its segments that miss the tolerance, and how
+    much of the history leads to it. stopped: why no mesh came after its own. unmet: its segments that miss the
     tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
     weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
@@ -129,6 +137,7 @@ class _Loop:
         self.limit = Limit(settings.seconds, stop)
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
+        self.optimal: tuple[Found, tuple[str, ...], int] | None = None
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -163,6 +172,7 @@ class _Loop:
                 why = "interrupted" if self.limit.asked() else "the time limit came"
                 self.stopped = f"{why} before the next mesh"
                 break
+        self._back_to_optimal()
         return self._told()
 
     def _take(self, number: int, found: Found) -> None:
@@ -171,6 +181,21 @@ class _Loop:
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
             self._refine(number, found, self.settings.refine)
+        if found[0].status is not Status.ACCEPTABLE:
+            self.optimal = found, self.unmet, len(self.history)
+
+    def _back_to_optimal(self) -> None:
+        """Give back the last mesh of the same problem that ended at an optimal point, if finer ones are acceptable."""
+        assert self.last is not None
+        last = self.last[0]
+        if last.status is not Status.ACCEPTABLE or self.settings.accept is Status.ACCEPTABLE:
+            return
+        if not self.optimal or self.optimal[0][0].problem is not last.problem:
+            return
+        self.last, self.unmet, known = self.optimal
+        self.stopped = _why_stopped(self.history[known])
+        self.discarded += tuple(self.history[known:])
+        del self.history[known:]
 
     def _lowered(self, number: int, found: Found) -> Found | None:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
@@ -200,7 +225,7 @@ class _Loop:
         if self.last is None:
             return solution, solved
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
-        if not solution.status.usable and (refined or (own and solution.status in ENDED)):
+        if not solution.status.usable and (refined or (own and solution.status in TOLD_TO_END)):
             self.stopped = _why_stopped(solution.meshes[-1])
             self.discarded += solution.meshes
             return None
@@ -219,7 +244,7 @@ class _Loop:
         if len(damping.controls) == len(solved.damping.controls):
             damping, self.weakest = damping.stronger(), True
         calm = solve_mesh(*self.steps[number], self.settings, Origin(solution.trajectories, None, damping), watch)
-        if not calm[0].status.usable or left_basin(solution, calm[0]):
+        if not calm[0].status.may_replace(solution.status) or left_basin(solution, calm[0]):
             self.rough = True
             return found
         return in_place(found, calm)
@@ -319,6 +344,6 @@ def _out_of_time(solution: Solution, limit: Limit) -> Solution:
 
 
 def _why_stopped(mesh: MeshRecord) -> str:
-    """Why a mesh that was not solved has no solution."""
+    """Why a mesh does not have the solution that is given back."""
     what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
     return f"the next mesh, of {mesh.segments} segments, {what}"

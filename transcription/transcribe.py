@@ -19,6 +19,7 @@ from .collocation import kept, model
 from .collocation.delays import refused_by_collocation
 from .collocation.differences import refused_by_differences
 from .collocation.numbers import numbers
+from .dual.end_masses import without_end_masses
 from .engines.outcome import Outcome
 from .layout import Transcription
 from .measured.program import with_residuals
@@ -27,7 +28,6 @@ from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
 from .solution.costate import costates
-from .solution.end_masses import without_end_masses
 from .solution.trajectory import Trajectory
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken

@@ -9,7 +9,7 @@ from typing import Any
 
 from .printing import print_field
 
-KINDS = ("control", "state", "path")
+ORDER = ("control", "state", "path")
 """What has arcs, in the order in which it is told."""
 
 FEW, SHORT = 3, 8
@@ -41,7 +41,7 @@ def print_arcs(phases: Mapping[str, Any]) -> None:
 def _told(phases: Mapping[str, Any], most: int | None = None) -> Iterator[str]:
     """A text for each quantity, of at most so many arcs each; one for all phases, where it has arcs in all of them."""
     names = {(own["kind"], own["name"]): None for phase in phases.values() for own in phase["arcs"]}
-    for kind, name in sorted(names, key=lambda key: KINDS.index(key[0])):
+    for kind, name in sorted(names, key=lambda key: ORDER.index(key[0])):
         found = {phase: own["arcs"] for phase in phases for own in phases[phase]["arcs"] if _is(own, kind, name)}
         if len(found) == len(phases) and _consecutive(phases):
             yield f"{name}: {_sentence(_joined(found.values()), most)}"

@@ -23,19 +23,18 @@ def list_(tag: Tags = None) -> None:
 
     Example: trajopt list --tag minimum-time --tag robotics
     """
-    from ...problems.catalog import shipped
-    from ...problems.load import load
+    from ...problems.catalog import listed
 
-    specs = {name: load(path) for name, path in shipped().items()}
-    known = sorted({word for spec in specs.values() for word in spec.tags})
+    problems = listed()
+    known = sorted({word for entry in problems.values() for word in entry.tags})
     wanted = set(tag or ())
     if unknown := wanted.difference(known):
         raise SpecError(_no_such_tag(word, known) for word in sorted(unknown))
     rows = []
-    for name, spec in specs.items():
-        if wanted <= set(spec.tags):
-            reference = "" if spec.reference is None else f"{spec.reference.objective:.10g}"
-            rows.append((name, spec.name, reference, ", ".join(spec.tags), spec.source))
+    for name, entry in problems.items():
+        if wanted <= set(entry.tags):
+            reference = "" if entry.reference is None else f"{entry.reference:.10g}"
+            rows.append((name, entry.name, reference, ", ".join(entry.tags), entry.source))
     print_table(("name", "problem", "reference", "tags", "source"), rows)
 
 

@@ -25,12 +25,16 @@ from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .bodies import coordinate_names, names_of
-from .motion import CART_NAME, TOTAL, Chain
+from .motion import CART_NAME, GRAVITY, TOTAL, Chain
 from .sliding import mass
 from .step import Step
 
 _TAKEN = (BASE, CART_NAME, "com", CHAIN)
 """Names that no link may have: those of outputs and constants begin with them."""
+
+_POSITIVE = ("mass", "length", "inertia")
+_CONSTANT = (*_POSITIVE, "com", "at", "turn")
+"""Keys of a link whose values do not vary in time."""
 
 _DYNAMICS = ("rate", "next", "accel")
 
@@ -175,7 +179,7 @@ def value_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         if symbols.varies(name):
             what = f"the {key} of a chain is one number, and this varies in time"
             yield Finding(path, what, "make it of numbers and parameters")
-        elif value is not None and (value < 0 if key != "length" else value <= 0):
+        elif key in _POSITIVE and value is not None and (value < 0 if key != "length" else value <= 0):
             remedy = "write a length above zero" if key == "length" else "write a value that is not negative"
             yield Finding(path, f"the {key} is {value:g}", remedy)
     for body in chain.bodies:
@@ -190,13 +194,13 @@ def value_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 
 
 def _given(chain: Chain) -> Iterator[tuple[str, str]]:
-    """(name, key) of the masses, lengths and inertias that the file gives."""
+    """(name, key) of what the file gives that is one number: masses, lengths, gravity."""
+    if chain.entry.gravity.text != "0":
+        yield GRAVITY, "gravity"
     if chain.entry.cart:
         yield f"{CART_NAME}_mass", "mass"
     for body in chain.bodies:
-        yield from (
-            (body.constant(key), key) for key in ("mass", "length", "inertia") if getattr(body.link, key) is not None
-        )
+        yield from ((body.constant(key), key) for key in _CONSTANT if getattr(body.link, key) is not None)
 
 
 def _step(entry: ModelEntry, names: list[str]) -> Iterator[Finding]:

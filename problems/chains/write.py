@@ -27,18 +27,16 @@ from .step import Step
 
 _WORD = re.compile(r"\w+")
 _GIVEN = {
-    "mass": ("mass of {}", "kg"),
-    "length": ("length of {}", "m"),
-    "com": ("centre of mass of {}, from its joint", "m"),
-    "inertia": ("inertia of {} about its centre of mass", "kg*m^2"),
-    "at": ("where {} hangs", "m"),
-    "turn": ("turn of {} where it is fixed", "rad"),
-    "torque": ("torque on {} beside its motor's", "N*m"),
-    "force": ("force that pushes {} out, beside its motor's", "N"),
+    "mass": "mass of {}",
+    "length": "length of {}",
+    "com": "centre of mass of {}, from its joint",
+    "inertia": "inertia of {} about its centre of mass",
+    "at": "where {} hangs",
+    "turn": "turn of {} where it is fixed",
+    "torque": "torque on {} beside its motor's",
+    "force": "force that pushes {} out, beside its motor's",
 }
-"""Keys of a link that become named expressions -> their notes and units."""
-
-_OF_CART = {"mass": ("mass of the cart", "kg"), "force": ("force on the cart beside its motor's", "N")}
+"""Keys of a link that become named expressions -> their notes."""
 
 
 def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
@@ -130,7 +128,7 @@ class _Writer:
             self.short[name,] = ("model",)
         return _mapping(self.data, name)
 
-    def define(self, name: str, value: Any, origin: Path, note: str = "of the chain", unit: str = "") -> None:
+    def define(self, name: str, value: Any, origin: Path, note: str = "of the chain") -> None:
         """A named expression; in a full file it is there already."""
         expressions = self.section("expressions")
         given = expressions.get(name, value)
@@ -138,7 +136,7 @@ class _Writer:
         if str(getattr(given, "text", given)) != str(getattr(value, "text", value)):
             self.found.append(Finding(("expressions", name), f"{name} is a name of the chain", "choose another name"))
             return
-        expressions.setdefault(name, {"value": value, "note": note, **({"unit": unit} if unit else {})})
+        expressions.setdefault(name, {"value": value, "note": note})
         self.short["expressions", name] = origin
 
     def coordinates(self) -> None:
@@ -195,10 +193,10 @@ class _Writer:
         """What the file gives of each link, and what a uniform rod has."""
         for i, body in enumerate(self.chain.bodies):
             path: Path = ("model", "links", i)
-            for key, (told, unit) in _GIVEN.items():
+            for key, told in _GIVEN.items():
                 note = told.format(body.name)
                 if (own := getattr(body.link, key)) is not None:
-                    self.define(body.constant(key), own, (*path, key), note, unit)
+                    self.define(body.constant(key), own, (*path, key), note)
                 elif key in ("com", "inertia"):
                     mass, length = body.constant("mass"), body.constant("length")
                     rod = {"com": f"{length}/2", "inertia": f"{mass}*{length}**2/12"}
@@ -208,18 +206,16 @@ class _Writer:
         """What the file gives of gravity, of the cart and of forces."""
         entry = self.chain.entry
         if entry.gravity.text != "0":
-            self.define(GRAVITY, entry.gravity, ("model", "gravity"), "acceleration of gravity", "m/s^2")
+            self.define(GRAVITY, entry.gravity, ("model", "gravity"), "acceleration of gravity")
         for key in ("mass", "force") if entry.cart else ():
             if (own := getattr(entry.cart, key)) is not None:
-                self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), *_OF_CART[key])
+                self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), f"{key} of the cart")
         for number, force in enumerate(entry.forces):
             for axis, name in zip((ACROSS, UP), force_names(force, number), strict=True):
                 if name != "0":
-                    self.define(
-                        name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}", "N"
-                    )
+                    self.define(name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}")
             if force.at is not None:
-                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts", "m")
+                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts")
 
     def formulas(self) -> None:
         """Constants of the mass matrix, and the moments that several equations share."""
@@ -232,14 +228,14 @@ class _Writer:
         places = [(body.name, (body.tip, ALL), f"the tip of {body.name}") for body in chain.bodies]
         for name, (point, share), what in [*places, ("com", chain.centre, "the centre of mass")]:
             asked = {
-                "": ("", "m", partial(chain.position, point)),
-                "v": ("velocity of ", "m/s", partial(chain.velocity, point, share=share)),
-                "a": ("acceleration of ", "m/s^2", partial(chain.acceleration, point, share=share)),
+                "": ("", partial(chain.position, point)),
+                "v": ("velocity of ", partial(chain.velocity, point, share=share)),
+                "a": ("acceleration of ", partial(chain.acceleration, point, share=share)),
             }
             for axis in (ACROSS, UP):
-                for kind, (told, unit, coordinate) in asked.items():
+                for kind, (told, coordinate) in asked.items():
                     if (output := f"{name}_{kind}{axis}") in self.words or not (kind or name == "com"):
-                        self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}", unit)
+                        self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}")
 
     def residuals(self) -> None:
         given = self.data.get("residuals") or []

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
 from ..expressions.tree import Operation, nodes
+from ..language.times import TimeParameter
 from ..measured import compared
 from ..names.occurrences import measured_path
 from ..names.roles import with_article
 from ..names.symbols import Symbols
+from ..phases.observed import observed_phases
 from ..quantities import Range
-from ..schema.measurements import MeasuredEntry
+from ..schema.measurements import MeanEntry, MeasuredEntry
 from ..schema.spec import Spec
 from ..tables.series import TIME
 from ..text import brief, did_you_mean, shorten
@@ -23,11 +26,14 @@ MAX_TIMES = 2000
 """Distinct ones of a phase: each is a knot of every mesh."""
 
 
-def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
+def measurement_mistakes(
+    spec: Spec, symbols: Symbols, times: tuple[Range | None, Range | None], alone: bool
+) -> Iterator[Finding]:
     """Every mistake in the measurements of a phase.
 
     spec, symbols: of the phase.
     times: ranges of its initial and its final time, None where mistaken.
+    alone: whether it is all of the file, which measurements make phases of where its time is free.
     """
     if not spec.measurements:
         return
@@ -35,9 +41,7 @@ def measurement_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None
     if spec.objective.sense == "maximize":
         what = "squared residuals are minimised, and the objective is maximised"
         yield Finding(first, what, "write minimize: with the sign of the terms changed")
-    if any(own is not None and not own.fixed for own in times):
-        what = "the times of measurements are knots of the mesh, and here an end of the time is free"
-        yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")
+    yield from _free_alone(spec, symbols, first, times) if alone else _free_in_phase(spec, first, times)
     for name, entry in spec.measurements.items():
         path: Path = ("measurements", name)
         if trouble := name_trouble(name, ()):
@@ -134,13 +138,52 @@ def _values(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Find
 def _times(entry: MeasuredEntry, path: Path, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
     """Measurements lie within the time of the phase."""
     initial, final = times
-    if initial is None or final is None or not (initial.fixed and final.fixed):
+    if initial is None or final is None:
         return
-    near = 1e-9 * (final.lower - initial.lower)
-    outside = [t for t in entry.data[TIME] if not initial.lower - near <= t <= final.lower + near]
+    begins, ends = initial.lower, final.upper
+    near = 1e-9 * (ends - begins) if isfinite(ends - begins) else 0.0
+    outside = [t for t in entry.data[TIME] if not begins - near <= t <= ends + near]
     if outside:
-        what = f"the time {outside[0]:g} is not from {initial.lower:g} to {final.lower:g}"
+        what = f"the time {outside[0]:g} is not from {begins:g} to {ends:g}"
         yield Finding(_place(entry, path), what, "change time: of the problem, or leave these measurements out")
+
+
+def _free_alone(
+    spec: Spec, symbols: Symbols, first: Path, times: tuple[Range | None, Range | None]
+) -> Iterator[Finding]:
+    """Why a file whose time is free cannot be one of phases that end where something is measured."""
+    if not observed_phases(spec):
+        return
+    why = "an end of the time is free, so there is a phase of its own before the first or after the last measurement"
+    for i, _ in enumerate(spec.constraints.integral):
+        what = f"{why}, and an integral constraint is of one phase"
+        yield Finding(
+            ("constraints", "integral", i), what, "name the integral under integrals:, and bound integral.NAME"
+        )
+    if any(isinstance(own, TimeParameter) for own in spec.optimize.values()):
+        what = f"{why}; t[initial], t[final] and t[duration] in equations would be those of a phase"
+        yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")
+    measured = [t for entry in spec.measurements.values() for t in entry.data[TIME]]
+    for own, end, edge in zip(times, ("initial", "final"), (max(measured), min(measured)), strict=True):
+        if own is not None and own.fixed and (edge <= own.lower if end == "initial" else edge >= own.lower):
+            what = f"all is measured at the {end} time, and the time is free at the other end"
+            remedy = "write the squared residuals as terminal: of the objective, ((x[initial] - value)/deviation)**2"
+            yield Finding(first, what, remedy.replace("initial", end))
+
+
+def _free_in_phase(spec: Spec, first: Path, times: tuple[Range | None, Range | None]) -> Iterator[Finding]:
+    """What is measured in a phase has a time that is known, or is at an end that is."""
+    known = [own for own in times if own is not None and own.fixed]
+    if None in times or len(known) == 2:
+        return
+    measured = {t for entry in spec.measurements.values() for t in entry.data.get(TIME, ())}
+    means = any(isinstance(entry, MeanEntry) for entry in spec.measurements.values())
+    if means or not (known and all(t == known[0].lower for t in measured)):
+        what = "the times of measurements are knots of the mesh, and here an end of the time is free"
+        remedy = (
+            f"let a phase end at t = {max(measured, default=0.0):g}, the last of them, and another go on from there"
+        )
+        yield Finding(first, what, f"{remedy}; or scale the time by a free duration T: rate: T*f, from 0 to 1")
 
 
 def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Finding]:

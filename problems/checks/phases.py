@@ -46,7 +46,8 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
             what = "there are links, but no phases to link"
             return [Finding(("links",), what, "add phases:, or write the conditions under constraints.boundary")], []
         found, warned = check_phase(spec, whole)
-        return found + (list(computed_guess(spec)) if whole and not found else []), warned
+        if found or not own_entries(spec):
+            return found + (list(computed_guess(spec)) if whole and not found else []), warned
     errors = list(_structure(spec))
     if errors:
         return errors, []
@@ -147,7 +148,7 @@ def _expressions(spec: Spec, between: Between) -> Iterator[Finding]:
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not constant:
                 what = f"{node.symbol} is not smooth, and nonsmooth: is about expressions of one phase"
                 yield Finding(path, what, _SMOOTH)
-    for name in spec.measurements:
+    for name in spec.measurements if spec.phases or spec.waypoints else ():
         what = "with phases, measurements belong to one of them"
         yield Finding(("measurements", name), what, "move them into a phase")
     for i, _ in enumerate(spec.constraints.integral):

@@ -5,13 +5,10 @@ from __future__ import annotations
 from math import inf, isfinite
 
 from ..expressions.expression import Expression
-from ..expressions.lacking import ALIASES, LACKING
-from ..expressions.signature import name_trouble, signature
-from ..expressions.slips import RESERVED
 from ..language.functions import called_functions
 from ..language.integrals import where_written
+from ..language.means import place_of_mean
 from ..language.plain import in_plain
-from ..language.times import TimeParameter
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
@@ -27,17 +24,13 @@ from ..yaml.locations import Finding
 from . import structure
 from .complementarity import complementarity_mistakes
 from .ends import delay_mistakes, idle_histories, impossible_at_ends
-from .functions import signature_troubles
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
-from .names import title_troubles
+from .names import declared_names, title_troubles
 from .odd import odd, unused
 from .tables import beyond_tables
 
 NO_STATES = Finding(("states",), "there must be at least 1 here", "add a state, or model: with a chain of links")
-
-CALLED = RESERVED.union(LACKING, ALIASES)
-"""Names that no table and no function of a file may have: some are told to be missing, with what does their work."""
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
@@ -51,9 +44,9 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
-    checker = _Checker(spec)
+    checker = _Checker(spec, phase == ALONE)
     checker.errors += mistaken_calls
-    checker.names()
+    checker.errors += declared_names(spec, checker.symbols)
     checker.constants()
     checker.varying_at_ends()
     if not spec.static:
@@ -87,15 +80,17 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
         checker.warnings += idle_histories(checker.symbols)
         checker.warnings += structure.structure_warnings(spec, checker.symbols)
     found = (checker.errors, checker.warnings)
-    errors, warnings = ([f._replace(path=where_written(written, f.path)) for f in own] for own in found)
+    errors, warnings = (
+        [f._replace(path=where_written(written, place_of_mean(written, f.path))) for f in own] for own in found
+    )
     return errors, warnings
 
 
 class _Checker:
     """Collects the findings about one spec. A value that is itself mistaken is None, and passes the other checks."""
 
-    def __init__(self, spec: Spec):
-        self.spec, self.symbols = spec, Symbols(spec)
+    def __init__(self, spec: Spec, alone: bool):
+        self.spec, self.symbols, self.alone = spec, Symbols(spec), alone
         self.errors: list[Finding] = list(self.symbols.findings)
         self.warnings: list[Finding] = []
         self.numbers: dict[Path, float] = {}
@@ -105,35 +100,6 @@ class _Checker:
 
     def warn(self, path: Path, what: str, remedy: str) -> None:
         self.warnings.append(Finding(path, what, remedy))
-
-    def names(self) -> None:
-        """Names are words, not reserved, and each declared once."""
-        spec = self.spec
-        first: dict[str, str] = {}
-        for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
-            for name in getattr(spec, group):
-                if group == "expressions" and set("()") & set(name):
-                    self.function(name, first)
-                elif not isinstance(spec.optimize.get(name), TimeParameter):
-                    self.name((group, name), name, first)
-        for state in self.symbols.states:
-            if state.velocity_of:
-                self.name(state.path, state.name, first)
-
-    def function(self, key: str, first: dict[str, str]) -> None:
-        """A name with arguments."""
-        path: Path = ("expressions", key)
-        self.errors += signature_troubles(path, key)
-        if own := signature(key):
-            self.name(path, own.name, first, CALLED)
-
-    def name(self, path: Path, name: str, first: dict[str, str], reserved: frozenset[str] = RESERVED) -> None:
-        """One name; first: every name before it -> where it was declared."""
-        if trouble := name_trouble(name, CALLED if path[0] == "tables" else reserved):
-            self.error(path, *trouble)
-        elif name in first:
-            self.error(path, f"{name} is already declared under {first[name]}", "give every name once, in one section")
-        first.setdefault(name, str(path[0]))
 
     def declared(self) -> tuple[Declared, ...]:
         """Every variable over time."""
@@ -256,7 +222,7 @@ class _Checker:
             self.range(("time", "final"), self.spec.time.final),
         )
         self.errors += guess_mistakes(self.spec, self.symbols, times)
-        self.errors += measurement_mistakes(self.spec, self.symbols, times)
+        self.errors += measurement_mistakes(self.spec, self.symbols, times, self.alone)
         self.warnings += measurement_warnings(self.spec, self.symbols)
         self.warnings += guess_warnings(guess, list(declared))
         for path, name, values in values_of(guess, self.numbers):

@@ -103,8 +103,8 @@ def _with_called(text: str, tokens: list[Token], called: Collection[str]) -> lis
             continue
         if token.text in called or (token.text not in (*LACKING, *ALIASES) and _is_delay(text, after)):
             marked[i] = token._replace(category="called")
-        elif token.text not in (*LACKING, *ALIASES) and (meant := nearest(token.text, called)):
-            fail(text, token, token, f"there is no {token.text}(...)", f"did you mean {meant}?")
+        elif token.text not in (*LACKING, *ALIASES) and (meant := did_you_mean(token.text, called)):
+            fail(text, token, token, f"there is no {token.text}(...)", meant)
     return marked
 
 

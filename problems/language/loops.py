@@ -45,10 +45,10 @@ class Expanded(NamedTuple):
 
 
 class Mistaken(Exception):  # noqa: N818 - it ends the writing out of one entry
-    """What is wrong with an entry or a text, and the remedy."""
+    """What is wrong with an entry or a text, and the remedy. text: the part of it that is wrong."""
 
-    def __init__(self, what: str, remedy: str):
-        self.what, self.remedy = what, remedy
+    def __init__(self, what: str, remedy: str, text: str = ""):
+        self.what, self.remedy, self.text = what, remedy, text
         super().__init__(what)
 
 
@@ -252,12 +252,13 @@ def _filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> 
     return _BRACES.sub(instead, text)
 
 
-def whole(text: str, values: Values, numbers: Values) -> int:
+def whole(text: str, values: Values, numbers: Values, in_loop: bool = True) -> int:
     """The whole number that an expression is. Raises Mistaken if it is none.
 
     text: the expression.
     values: of the variables of loops.
     numbers: parameters that are whole numbers.
+    in_loop: whether there may be such variables.
     """
     try:
         expression = parse(text)
@@ -266,8 +267,10 @@ def whole(text: str, values: Values, numbers: Values) -> int:
     known = {**numbers, **values}
     for leaf in expression.leaves:
         if not isinstance(known.get(leaf.name), int):
-            what = f"{leaf.name} is {'a word' if leaf.name in known else 'no variable of a loop'}"
-            otherwise = "name a variable of the loop, or a parameter that is a whole number"
+            parameter = "parameter that is a whole number"
+            lacks = "no variable of a loop" if in_loop else f"no {parameter}"
+            what = f"{leaf.name} is {'a word' if leaf.name in known else lacks}"
+            otherwise = f"{'name a variable of the loop, or' if in_loop else 'write a number, or name'} a {parameter}"
             raise Mistaken(f'"{brief(text)}": {what}', did_you_mean(leaf.name, known, otherwise))
     value = expression.bind({name: float(own) for name, own in known.items() if isinstance(own, int)}, {}).constant()
     if not isclose(value, round(value), abs_tol=1e-9):

@@ -6,6 +6,7 @@ from ..schema.spec import Spec
 from ..yaml.locations import Finding
 from .functions import without_functions
 from .integrals import integrals_as_states
+from .means import means_as_states
 from .rates import rates_written_out
 from .times import times_as_parameters
 
@@ -23,4 +24,4 @@ def in_plain(spec: Spec, suffix: str = "") -> tuple[Spec, list[Finding]]:
     """
     spec, mistaken = without_functions(spec)
     spec, refused = integrals_as_states(spec)
-    return times_as_parameters(rates_written_out(spec), suffix), mistaken + refused
+    return times_as_parameters(means_as_states(rates_written_out(spec)), suffix), mistaken + refused

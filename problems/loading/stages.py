@@ -49,28 +49,27 @@ def without_loops(
 
 def without_vectors(
     document: Document, overrides: Sequence[str], before: dict[Place, str]
-) -> tuple[Document, dict[Place, str], Sequence[str], tuple[dict[Place, Place], list[Finding], frozenset[str]]]:
+) -> tuple[Document, dict[Place, str], Sequence[str], vectors.WrittenOut]:
     """The document with its vectors written out, by what is overridden in it before.
 
     document: without templates.
     overrides: that remain.
     before: the paths of earlier overrides.
 
-    Also the paths of all overrides so far, those that remain, where what is made comes from, the mistakes in vectors,
-    and the parameters that sizes go by.
+    Also the paths of all overrides so far, those that remain, and what else there is to know of what is made.
     """
     if not vectors.has_vectors(document.data):
-        return document, before, overrides, ({}, [], frozenset())
+        return document, before, overrides, vectors.WrittenOut(document.data)
     now = [text for text in overrides if vectors.concerns(text.partition("=")[0].strip(), document.data)]
     data, given = override(document, now)
     made = vectors.written_out(data)
     rest = [text for text in overrides if text not in now]
     document = Document(made.data, document.lines, document.blocks)
-    return document, before | given, rest, (made.origin, made.findings, made.counted)
+    return document, before | given, rest, made
 
 
 def written_out(
-    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str], made: dict[Place, Place]
+    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str], made: vectors.WrittenOut
 ) -> tuple[dict[str, Any], Locations, list[Finding]]:
     """The data of a file as the schema knows it: overrides applied, short forms written out, what is left out chosen.
 
@@ -78,7 +77,7 @@ def written_out(
     file: its name, for messages.
     overrides: that remain.
     before: the overrides that templates and vectors were made by.
-    made: where the components of vectors come from.
+    made: of vectors.
 
     Also where each value was given, and what is wrong so far.
     """
@@ -97,8 +96,9 @@ def written_out(
         data["refine"] = {}
     of_chain, mistaken = write_out_chain(data)
     wrong += mistaken
-    made |= {path: path for path in given}
-    locations = Locations(file, document.lines, before | given, document.blocks, of_chain | write_out(data), made)
+    origin = {**made.origin, **{path: path for path in given}}
+    short = of_chain | write_out(data)
+    locations = Locations(file, document.lines, before | given, document.blocks, short, origin, made.in_words)
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + unsafe_options(data.get("solver"), locations)
     measured_objective(data)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ..expressions.expression import Expression, Fault
-from ..expressions.given import Given, given
+from ..expressions.evaluation import Fault
+from ..expressions.expression import Expression
 from ..expressions.tree import Name, Node, Number, count, leaves
 from ..quantities import Range
 from ..schema.fields import Bounded
@@ -18,6 +18,7 @@ from ..yaml.locations import Finding
 from . import lookups, variables
 from .circles import untangle
 from .delays import delayed_states
+from .given import Given, given
 from .occurrences import Use, uses
 from .roles import (
     ALGEBRAIC,
@@ -86,13 +87,16 @@ class Symbols:
             "expression": spec.expressions,
             STATE: [state.name for state in self.states],
             CONTROL: [control.name for control in self.controls],
-            RATE: [variable.name for variable in self.algebraic],
             ALGEBRAIC: [variable.name for variable in self.algebraic if "[" not in variable.name],
+            RATE: [variable.name for variable in self.algebraic],
             "static parameter": spec.optimize,
             TABLE: spec.tables,
             "unknown": UNKNOWN.names,
         }
-        self.roles = {name: role for role, names in groups.items() for name in names}
+        self.roles: dict[str, str] = {}
+        for role, names in groups.items():
+            for name in names:
+                self.roles.setdefault(name, role)  # of a name that is declared twice, the first is meant
         self.static = frozenset(spec.optimize)
         self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []

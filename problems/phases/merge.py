@@ -9,7 +9,8 @@ keyframes of its guess go from the first phase to the last (see `guess`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
+from weakref import ref
 
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
@@ -31,19 +32,27 @@ _VARIABLES = ("states", "controls", "algebraic")
 _NAMED = ("parameters", "expressions", "states", "controls", "algebraic", "integrals")
 
 
-_latest: list[tuple[Spec, dict[str, Spec]]] = []
-"""The spec that was asked for last, and its phases: the checks of a file, its problems and its meshes all ask."""
+class _Known(NamedTuple):
+    """A spec, as long as somebody else holds it, and its phases; None for one that is the spec itself."""
+
+    spec: ref[Spec]
+    phases: dict[str, Spec | None]
+
+
+_latest: list[_Known] = []
+"""What was asked for last: the checks of a file, its problems and its meshes all ask. Gone with the spec."""
 
 
 def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
-    for known, phases in _latest:
-        if known is spec:
-            return dict(phases)
+    for known in _latest:
+        if known.spec() is spec:
+            return {name: phase or spec for name, phase in known.phases.items()}
     own = phases_as_written(spec)
     phases = {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
-    _latest[:] = [(spec, phases)]
-    return dict(phases)
+    kept = {name: None if phase is spec else phase for name, phase in phases.items()}
+    _latest[:] = [_Known(ref(spec, lambda _: _latest.clear()), kept)]
+    return phases
 
 
 def phases_as_written(spec: Spec) -> dict[str, Spec]:
@@ -73,7 +82,7 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     """
     own = own_entries(spec).get(phase)
     path = where_written(spec, path)
-    if own is None or not path:
+    if own is None or not path or not (spec.phases or spec.waypoints):
         return path
     path = where_written(own, path)
     if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):

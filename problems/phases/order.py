@@ -10,6 +10,7 @@ from ..lean.records import dataclass
 from ..names.variables import states
 from ..schema.phases import LinkEntry, PhaseEntry
 from ..schema.spec import Spec
+from .observed import observed_phases
 
 ALONE = "main"
 """The name of the phase of a file without phases."""
@@ -31,9 +32,9 @@ class Passage:
 
 
 def own_entries(spec: Spec) -> dict[str, PhaseEntry]:
-    """The phases of a file in order, those that its waypoints make among them; none for a file without phases."""
+    """The phases of a file in order, or those that its waypoints or its measurements make; none without any."""
     if not spec.waypoints:
-        return dict(spec.phases)
+        return dict(spec.phases) or observed_phases(spec)
     owners = {state.name: state.velocity_of for state in states(spec)}
     legs: dict[str, PhaseEntry] = {}
     for number, waypoint in enumerate(spec.waypoints, start=1):

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 from .fields import Entry, Formula, Text, mistake
 
 MAX_SHAPES = 200
-KINDS = ("line", "point", "circle", "box", "ground")
+SHAPES = ("line", "point", "circle", "box", "ground")
 COLORS = ("black", "orange", "sky", "green", "blue", "vermilion", "purple", "grey")
 WHOLE = "whole"
 
@@ -52,7 +52,7 @@ class ShapeEntry(Entry):
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        given = [kind for kind in KINDS if getattr(self, kind) is not None]
+        given = [kind for kind in SHAPES if getattr(self, kind) is not None]
         if len(given) != 1:
             what = f"{' and '.join(given)} are both given" if given else "there is no shape here"
             raise mistake(what, "give one of line:, point:, circle:, box: and ground:")
@@ -72,5 +72,5 @@ class ShapeEntry(Entry):
 
     @property
     def kind(self) -> str:
-        """One of KINDS; "" for a shape that is not there."""
-        return next((kind for kind in KINDS if getattr(self, kind) is not None), "")
+        """One of SHAPES; "" for a shape that is not there."""
+        return next((kind for kind in SHAPES if getattr(self, kind) is not None), "")

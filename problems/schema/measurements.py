@@ -52,8 +52,8 @@ class MeasuredEntry(Entry):
     note: Text = Field("", description="a remark for readers")
     compare: dict[str, Formula] = Field(
         {},
-        description="column -> expression of t, states and parameters that it measures; default: the columns that are "
-        "named as a state or an expression, with that",
+        description="column -> expression of t, states, controls and parameters that it measures; default: the columns "
+        "that are named as a variable or an expression, with that",
     )
     units: dict[str, Text] = Field({}, description="column -> its unit, a text; also that of time")
     deviations: Exactness | None = Field(
@@ -77,3 +77,12 @@ class MeasuredEntry(Entry):
         """What is given for a column: a number, the name of a column, or None."""
         given = self.deviations if self.deviations is not None else self.weights
         return given.get(column) if isinstance(given, dict) else given
+
+
+class MeanEntry(MeasuredEntry):
+    """Measurements of which some columns are compared with means; no file has it, see `language.means`.
+
+    means: column -> what it is the mean of, in place of which `compare` has its integral.
+    """
+
+    means: dict[str, Formula]

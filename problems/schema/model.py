@@ -22,7 +22,7 @@ from .fields import Entry, Formula, Text, either_form, mistake
 
 CHAIN = "chain"
 FIVE_LINK_BIPED = "five_link_biped"
-KINDS = (CHAIN, FIVE_LINK_BIPED)
+NAMES_OF_MODELS = (CHAIN, FIVE_LINK_BIPED)
 """What `kind:` may be: a chain, or the name of a robot, see `chains.robots`."""
 
 FIXED, CART, FLOATING = "fixed", "cart", "floating"
@@ -159,8 +159,8 @@ class ModelEntry(Entry):
     @field_validator("kind")
     @classmethod
     def _known_kind(cls, value: str) -> str:
-        if value and value not in KINDS:
-            remedy = did_you_mean(value, KINDS, f"the models are {', '.join(KINDS)}")
+        if value and value not in NAMES_OF_MODELS:
+            remedy = did_you_mean(value, NAMES_OF_MODELS, f"the models are {', '.join(NAMES_OF_MODELS)}")
             raise mistake(f'there is no model "{brief(value)}"', remedy)
         return value
 
@@ -168,7 +168,7 @@ class ModelEntry(Entry):
     def _what_a_kind_has(self) -> Self:
         if self.kind == CHAIN and not self.links:
             raise mistake("a chain needs links", "add links: [{mass: 1, length: 0.5, motor: true}]")
-        if self.kind in KINDS[1:] and self.model_fields_set != {"kind"}:
+        if self.kind in NAMES_OF_MODELS[1:] and self.model_fields_set != {"kind"}:
             raise mistake(f"{self.kind} takes no keys here", f"write model: {self.kind}, or kind: {CHAIN}")
         return self
 

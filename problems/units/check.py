@@ -13,6 +13,7 @@ from ..schema.spec import Spec
 from ..text import brief
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
+from .chains import in_chain
 from .infer import Reader, Value, mended
 from .measure import Measure, same
 from .phase import PhaseUnits, Term
@@ -27,9 +28,10 @@ def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
         return [], []
     phases = {name: PhaseUnits(own) for name, own in phase_specs(spec).items()}
     terms = [term._replace(path=home(spec, name, term.path)) for name, own in phases.items() for term in own.check()]
-    errors = [f._replace(path=home(spec, name, f.path)) for name, own in phases.items() for f in own.findings]
+    told = {name: in_chain(own.spec, own, own.findings) for name, own in phases.items()}
+    errors = [f._replace(path=home(spec, name, f.path)) for name, own in told.items() for f in own]
     unknown = {home(spec, name, path): text for name, own in phases.items() for path, text in own.unknown.items()}
-    if spec.phases or spec.waypoints:
+    if len(phases) > 1:
         across = _Across(spec, phases)
         terms += across.check()
         errors += [*across.reader.findings, *_passages(spec, phases)]

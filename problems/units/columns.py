@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from ..measured import compared
 from ..names.occurrences import measured_path
 from ..names.symbols import Symbols
-from ..schema.measurements import MeasuredEntry
+from ..schema.measurements import MeanEntry, MeasuredEntry
 from ..tables.series import TIME
 from ..text import brief
 from ..yaml.document import Path
@@ -36,7 +36,8 @@ def sum_of_squares(
     _agree(reader, path, TIME, given.get(TIME), time, "the time of the problem")
     squared: tuple[str, Measure] | None = None
     for column, expression in compared(entry, symbols).items():
-        value = reader.read(measured_path(path, column), expression)
+        meant = entry.means.get(column, expression) if isinstance(entry, MeanEntry) else expression
+        value = reader.read(measured_path(path, column), meant)
         own = given.get(column)
         _agree(reader, path, column, own, value, "what it is compared with")
         exactness = entry.exactness(column)

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
+from itertools import product
 from typing import Any, NamedTuple
+
+from ..text import shorten
 
 SUM, PRODUCT, POWER, ATOM = range(4)
 """How firmly the last operation of a text binds."""
@@ -59,6 +62,11 @@ def each(value: Value) -> Iterator[Scalar]:
         return
     for own in value:
         yield from each(own)
+
+
+def indexed(value: Value) -> Iterator[tuple[tuple[int, ...], Scalar]]:
+    """The scalars of a value with their indices, from 0, row by row."""
+    return zip(product(*map(range, shape_of(value))), each(value), strict=True)
 
 
 def mapped(value: Value, new: Callable[[Scalar], Scalar]) -> Value:
@@ -165,17 +173,26 @@ FUNCTIONS: dict[str, Row] = {
 """One row for each of them; `norm` of several scalars, and `sum` over a loop, are of the language without vectors."""
 
 
-def of_vectors(name: str, given: Sequence[Value]) -> Value:
-    """The value of one of these functions. Raises Unfit for operands that it does not take."""
+_MADE = "a state or a control is a vector by size: 3 beside it, a parameter by a list"
+
+
+def of_vectors(name: str, given: Sequence[Value], shown: Sequence[str]) -> Value:
+    """The value of one of these functions. Raises Unfit for operands that it does not take.
+
+    name: of the function.
+    given: its operands.
+    shown: their texts in the file.
+    """
     row = FUNCTIONS[name]
     if len(given) != len(row.sizes):
         what = f"{name} takes {len(row.sizes)} argument{'s' * (len(row.sizes) > 1)}, not {len(given)}"
         raise Unfit(what, f"write {row.written}")
-    for size, own in zip(row.sizes, given, strict=True):
+    for size, own, text in zip(row.sizes, given, shown, strict=True):
         shape = shape_of(own)
         if len(shape) != (2 if size is None else 1) or (size and shape != (size,)):
             takes = "a matrix" if size is None else f"a vector of {size}" if size else "vectors"
-            raise Unfit(f"{name} takes {takes}, and this is {in_words(shape)}", f"write {row.written}")
+            remedy = f"write {row.written}" + ("" if shape else f"; {_MADE}")
+            raise Unfit(f"{name} takes {takes}, and {shorten(text, 40)} is {in_words(shape)}", remedy)
     if name == "dot" and shape_of(given[0]) != shape_of(given[1]):
         told = " and ".join(in_words(shape_of(own)) for own in given)
         raise Unfit(f"{told} do not go together", "make both of one length")
@@ -204,8 +221,8 @@ def elementwise(work: Callable[..., Scalar], *operands: Value) -> Value:
     if len(shapes) > 1:
         told = " and ".join(in_words(shape_of(own)) for own in operands)
         mixed = {len(shape) for shape in shapes} == {1, 2}
-        remedy = "write J @ w for a matrix times a vector" if mixed else "make both of one length"
-        raise Unfit(f"{told} do not go together", remedy)
+        remedy = "make both of one shape; a matrix of n columns times a vector of n is A @ x"
+        raise Unfit(f"{told} do not go together", remedy if mixed else "make both of one length")
     count = next(iter(shapes))[0]
     parts = [own if isinstance(own, list) else [own] * count for own in operands]
     return [elementwise(work, *own) for own in zip(*parts, strict=True)]

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
+from math import prod
 from typing import Any
 
 from ..language.loops import Mistaken
 from ..lean.records import dataclass
 from ..names.symbols import UNKNOWN
+from ..text import tidy
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
-from .algebra import Scalar, Shape, Value, as_vector, each, in_words, shape_of
+from .algebra import Scalar, Shape, Value, as_vector, in_words, indexed, shape_of
+from .parsed import names_in
 from .reader import evaluate
 from .scope import DEFINED, RATES, Names
+from .told import Made
 
 KEPT = frozenset({"except", "note", "source", "file", "color", "from", "to", "relax", "name", "fill", "unit"})
 """Keys whose values are no expressions, and go with every component."""
 
 MISTAKEN = Scalar("?")
 """Stands for a text of whose mistake is told."""
+UNDECLARED = -1
+"""The level of a scalar that stands for such a text, and has its names that are declared nowhere."""
 
 _ONE_VALUE = "name a component, as in q[1], or write dot(a, a), norm(a) or sum(a)"
 
@@ -33,6 +38,7 @@ class Component:
     path: in the file.
     to: where it is written.
     index, shape: of the component.
+    made: what is told of where it comes from.
     """
 
     names: Names
@@ -40,10 +46,12 @@ class Component:
     to: Path
     index: tuple[int, ...] = ()
     shape: Shape = ()
+    made: Made | None = None
 
     def at(self, key: str | int) -> Component:
         """The same of the value at a key."""
-        return replace(self, path=(*self.path, key), to=(*self.to, key))
+        made = self.made and self.made._replace(base=(*self.made.base, key))
+        return replace(self, path=(*self.path, key), to=(*self.to, key), made=made)
 
     def item(self) -> Component:
         """The same of the item of a list that has one for each component."""
@@ -66,32 +74,44 @@ def each_of(value: Value, names: Names, path: Path, to: Path) -> Iterator[Compon
     to: of the mapping that the components go to.
     """
     shape = shape_of(value)
-    for index, own in zip(product(*map(range, shape)), each(value), strict=True):
-        yield Component(names, path, (*to, own.text), index, shape)
+    for index, own in indexed(value):
+        yield Component(names, path, (*to, own.text), index, shape, Made(path, index, prod(shape)))
 
 
 class Filler:
-    """Finds the values of components. origin: path that is written -> that in the file. findings: mistakes."""
+    """Finds the values of components.
+
+    origin: path that is written -> that in the file. findings: mistakes. made, texts: as of `told.InWords`.
+    """
 
     def __init__(self) -> None:
         self.origin: dict[Path, Path] = {}
+        self.made: dict[Path, Made] = {}
+        self.texts: dict[Path, tuple[str, str]] = {}
         self.findings: list[Finding] = []
         self.known: dict[tuple[int, str], Value | None] = {}
-        self.made = 0
+        self.count = 0
 
     def value(self, value: Any, one: Component) -> Any:
         """One component of a value, of a list, or of all values in a mapping. Raises Mistaken if there are too many."""
-        self.made += 1
-        if self.made > MAX_NODES:
+        self.count += 1
+        if self.count > MAX_NODES:
             raise Mistaken(f"the vectors of the file make more than {MAX_NODES} values", "make them smaller")
         if one.to != one.path:
             self.origin[one.to] = one.path
+        if one.made:
+            self.made[one.to] = one.made
         if isinstance(value, dict):
             return {key: self._inner(key, own, one.at(key)) for key, own in value.items() if key != "size"}
         if isinstance(value, list):
             return self._listed(value, one)
         found = self.evaluated(value, one.names, one.path) if isinstance(value, str) else None
-        return value if found is None else self._text(found, one)
+        if found is None:
+            return value
+        written = self._text(found, value, one)
+        if isinstance(written, str) and not (isinstance(found, Scalar) and found.level == UNDECLARED):
+            self.texts[one.to] = written, tidy(value)
+        return written
 
     def _listed(self, value: list[Any], one: Component) -> Any:
         if not one.shape:
@@ -100,13 +120,16 @@ class Filler:
             return self._refused(one, f"this is a list of {len(value)}, and has to be {in_words(one.shape)}")
         return self.value(value[one.index[0]], one.item())
 
-    def _text(self, found: Value, one: Component) -> Any:
+    def _text(self, found: Value, text: str, one: Component) -> Any:
         if found is MISTAKEN:
             return UNKNOWN
+        if isinstance(found, Scalar) and found.level == UNDECLARED:
+            return found.text
         if isinstance(found, Scalar) and not (one.shape and one.path[-1] in RATES):
             return found.text
         if shape_of(found := as_vector(found) if len(one.shape) == 1 else found) != one.shape:
-            return self._refused(one, f"this is {in_words(shape_of(found))}, and has to be {in_words(one.shape)}")
+            what = f"this is {in_words(shape_of(found))}, and has to be {in_words(one.shape)}"
+            return self._undeclared(text, one.names) or self._refused(one, what, text)
         return one.of(found).text
 
     def _inner(self, key: str, value: Any, one: Component) -> Any:
@@ -118,7 +141,10 @@ class Filler:
             return value if vector is None else one.of(vector).text
         return value if key in KEPT else self.value(value, one)
 
-    def _refused(self, one: Component, what: str) -> Any:
+    def _refused(self, one: Component, what: str, text: str = "") -> Any:
+        names = (*names_in(text), *(step for step in one.path if isinstance(step, str)))
+        if any(one.names.declares(name) and one.names.unclear(name) for name in names):
+            return UNKNOWN  # what is told of that comes first
         if not one.shape and {*one.path[:3:2]} & {*DEFINED}:  # or it would be a vector, too
             self.findings.append(Finding(one.path, "this is a vector made of itself", "give it without itself"))
             return UNKNOWN
@@ -133,6 +159,19 @@ class Filler:
             try:
                 self.known[key] = evaluate(text, names)
             except Mistaken as mistake:
-                self.findings.append(Finding(path, mistake.what, mistake.remedy))
-                return MISTAKEN
+                return self._mistaken(mistake, text, names, path)
         return self.known[key]
+
+    def _mistaken(self, mistake: Mistaken, text: str, names: Names, path: Path) -> Value:
+        """What stands for a mistaken text: its names that are declared nowhere, if there are such.
+
+        Of what is due to these, and to vectors of unknown size, nothing is told but that.
+        """
+        concerned = names_in(mistake.text) if mistake.text else ()
+        if not any(map(names.unclear, concerned)):
+            self.findings.append(Finding(path, mistake.what, mistake.remedy))
+        return Scalar(found, UNDECLARED) if (found := self._undeclared(text, names)) else MISTAKEN
+
+    def _undeclared(self, text: str, names: Names) -> str:
+        """The names in a text that are declared nowhere, of which later checks tell, as an expression."""
+        return " + ".join(sorted(name for name in names_in(text) if not names.declares(name)))

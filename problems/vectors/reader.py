@@ -12,14 +12,29 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
-from warnings import catch_warnings, simplefilter
 
 from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
 from ..expressions.tokens import ExpressionError
 from ..language.loops import Mistaken
 from ..text import shorten, tidy
 from . import algebra
-from .algebra import ATOM, FUNCTIONS, POWER, PRODUCT, SUM, Scalar, Unfit, Value, each, elementwise, mapped, shape_of
+from .algebra import (
+    ATOM,
+    FUNCTIONS,
+    POWER,
+    PRODUCT,
+    SUM,
+    Scalar,
+    Unfit,
+    Value,
+    each,
+    elementwise,
+    in_words,
+    mapped,
+    shape_of,
+)
+from .parsed import names_of, parsed, with_colons
+from .wanted import unknown_function
 
 MAX_CALLS = 200  # of functions of the file in one text, and in their bodies
 
@@ -38,7 +53,6 @@ _SPINE = tuple(_OPERATORS)
 _LEVELS = {ast.Mult: PRODUCT, ast.Div: PRODUCT, ast.Pow: POWER}
 _ATOMS = (ast.Name, ast.Constant, ast.Call, ast.Attribute, ast.Subscript)
 
-_RANGE = re.compile(r"(\[\s*\d+)\s*\.\.\s*(\d+\s*\])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _COMPONENT = re.compile(r"([A-Za-z_][\w.]*)\[\s*(\d+)\s*\]")
 _LIST = re.compile(r"(?:^|[-+*/@(,\[])\s*\[")
@@ -107,10 +121,10 @@ class _Reader:
         within: tuple[str, ...] = (),
         calls: list[int] | None = None,
     ):
-        self.text, self.scope, self.arguments = _RANGE.sub(r"\1:\2", text), scope, arguments
+        self.text, self.scope, self.arguments = with_colons(text), scope, arguments
         self.within, self.calls = within, calls or [0]
         self.colons = ":" in text
-        self.tree = _parsed(self.text)
+        self.tree = parsed(self.text)
         self.concerned: set[int] = set()  # the nodes that have something of vectors in or below them
         for node in reversed(list(ast.walk(self.tree))) if self.tree else ():
             inside = any(id(own) in self.concerned for own in ast.iter_child_nodes(node))
@@ -180,7 +194,7 @@ class _Reader:
 
     def refuse(self, node: ast.expr, what: str, remedy: str) -> Mistaken:
         shown = self.source(node) if self.colons else self.source(node).replace(":", "..")
-        return Mistaken(f'"{shorten(shown, 60)}": {what}', remedy)
+        return Mistaken(f'"{shorten(shown, 60)}": {what}', remedy, shown)
 
     def value(self, node: ast.expr) -> Value:
         """The value of a node."""
@@ -226,8 +240,19 @@ class _Reader:
             node = node.left
         result = self.value(node)
         for own in reversed(spine):
-            result = self.made(own, _OPERATORS[type(own.op)], result, self.value(own.right))
+            right = self.value(own.right)
+            if isinstance(own.op, ast.Mult) and (product := self._product(own, result, right)):
+                raise product
+            result = self.made(own, _OPERATORS[type(own.op)], result, right)
         return result
+
+    def _product(self, node: ast.BinOp, left: Value, right: Value) -> Mistaken | None:
+        """What is said of a matrix times a vector by *; None where * is right, or the two have no product at all."""
+        a, b = shape_of(left), shape_of(right)
+        if {len(a), len(b)} != {1, 2} or a[-1] != b[0] or 1 in (*a, *b):
+            return None
+        what = f"{in_words(a)} and {in_words(b)} are multiplied by @, and * goes element by element"
+        return self.refuse(node, what, f"write {self.source(node.left)} @ {self.source(node.right)}")
 
     def made(self, node: ast.expr, work: Callable[..., Value], *operands: Any) -> Value:
         """What an operation makes of its operands; its mistakes are told with the text of the node."""
@@ -243,7 +268,7 @@ class _Reader:
     def _subscript(self, node: ast.Subscript, base: Value, index: ast.expr) -> Value:
         match index:
             case ast.Name(id=mark) if mark in (*ENDS, RATE):
-                if any(name in self.arguments for name in _names(node.value)):
+                if any(name in self.arguments for name in names_of(node.value)):
                     what = "this is an argument here, and has one value"
                     raise self.refuse(node, what, f"write {self.source(node.value)}")
                 return mapped(base, lambda own: Scalar(f"{own.text}[{mark}]"))
@@ -277,7 +302,7 @@ class _Reader:
             return self._inlined(node, own, given)
         vectors = [own for own in given if isinstance(own, list)]
         if name in OWN or (name in FUNCTIONS and len(given) == 1):
-            return self.made(node, algebra.of_vectors, name, given)
+            return self.made(node, partial(algebra.of_vectors, name, shown=list(map(self.source, node.args))), given)
         if name in ("", *self.arguments) or self.scope.vector(name) is not None:  # q(t - tau), q[1](t - tau)
             inside, base = self.text[function.end_col_offset : node.end_col_offset], self.value(function)
             if isinstance(function, ast.Attribute) and isinstance(base, Scalar):
@@ -285,6 +310,8 @@ class _Reader:
             return mapped(base, lambda own: Scalar(f"{own.text}{inside}"))
         if name in _OF_ALL and len(given) == len(vectors) == 1:
             return Scalar(f"{name}({', '.join(own.text for own in each(given[0]))})")
+        if unknown := unknown_function(name, self.scope.called):
+            raise self.refuse(node, *unknown)
         call = lambda *own: Scalar(f"{name}({', '.join(a.text for a in own)})")  # noqa: E731
         return self.made(node, elementwise, call, *given)
 
@@ -304,31 +331,13 @@ class _Reader:
         by_name = dict(zip(wanted, given, strict=True))
         body = _Reader(tidy(own.body), self.scope, by_name, (*self.within, name), self.calls)
         if any(_END.search(scalar.text) for value in given for scalar in each(value)):
-            body.refuse_free_names(called)
+            body.refuse_freenames_of(called)
         found = body.whole()
         return Scalar(body.text, SUM) if found is None else found
 
-    def refuse_free_names(self, called: str) -> None:
+    def refuse_freenames_of(self, called: str) -> None:
         """At an end of time a body has its arguments and fixed names only: of others it is not clear where."""
-        for name in sorted(_names(self.tree) - self.arguments.keys()) if self.tree else ():
+        for name in sorted(names_of(self.tree) - self.arguments.keys()) if self.tree else ():
             if not self.scope.fixed(name):
                 what = f"{called} uses {name}, and it is not clear at which end it is meant"
                 raise Mistaken(what, f"make {name} an argument of the function")
-
-
-def _parsed(text: str) -> ast.expr | None:
-    """The tree of a text; None if it is no expression, or one that is refused for its size."""
-    if len(text) > MAX_LENGTH or not text.isascii():
-        return None
-    try:
-        with catch_warnings():
-            simplefilter("ignore")  # of a number that goes on in letters, which is told later
-            return ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
-
-
-def _names(node: ast.expr) -> set[str]:
-    """The names in a tree, without those of functions."""
-    called = {id(own.func) for own in ast.walk(node) if isinstance(own, ast.Call)}
-    return {own.id for own in ast.walk(node) if isinstance(own, ast.Name) and id(own) not in called}

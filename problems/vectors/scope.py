@@ -6,23 +6,26 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ..expressions.signature import signature
+from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import RESERVED
 from ..language.loops import Mistaken, whole
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .algebra import Scalar, Shape, Value, in_words, mapped, shape_of
+from .parsed import names_in
 from .reader import OWN, FileFunction, evaluate, is_of_vectors
 
+INTEGRAL = "integral"
 DECLARED = ("states", "controls", "algebraic", "optimize")
 """Sections whose vectors say their size."""
 DEFINED = ("parameters", "expressions", "integrals")
 """Sections whose vectors have the size of their value."""
+OTHERS = ("tables", "phases", INTEGRAL)
+"""What else has names in expressions."""
 LARGEST = 100  # components of a vector
 LARGEST_MATRIX = 9  # rows and columns: R12 is row 1, column 2
 RATES = ("rate", "accel", "next")
-INTEGRAL = "integral"
 
 
 class Names:
@@ -43,6 +46,7 @@ class Names:
         self.vectors: dict[str, Value] = {}
         self.defined: dict[str, Any] = {}
         self.waiting: set[str] = set()  # names whose value is being looked at
+        self.guessed: set[str] = set()  # vectors of which nobody knows the size
         self.functions: dict[str, FileFunction] = {}
         for section in DEFINED:
             self._define(entries_of(data, section))
@@ -50,10 +54,11 @@ class Names:
             for name, entry in entries_of(data, section).items():
                 if isinstance(entry, dict) and ("size" in entry or _listed(entry, RATES)):
                     self._declare(name, entry, (*path, section, name))
-        phases = entries_of(data, "phases").items()
-        self.phases = {
-            name: Names(own, numbers, self, ("phases", name)) for name, own in phases if isinstance(own, dict)
-        }
+        self.phases: dict[str, Names] = {}
+        self._infer()
+        for name, own in entries_of(data, "phases").items():
+            if isinstance(own, dict):
+                self.phases[name] = Names(own, numbers, self, ("phases", name))
 
     def _define(self, entries: Mapping[str, Any]) -> None:
         for name, entry in entries.items():
@@ -65,6 +70,8 @@ class Names:
 
     def _declare(self, name: str, entry: Mapping[str, Any], path: Path) -> None:
         try:
+            if trouble := name_trouble(name, (*RESERVED, *OWN)):
+                self.findings.append(Finding(path, *trouble))
             if "size" not in entry:
                 what = f"{name} is one value, and this is a list of {_listed(entry, RATES)}"
                 raise Mistaken(what, f"write size: {_listed(entry, RATES)} beside it")
@@ -76,8 +83,10 @@ class Names:
             key = next(key for key in ("size", *RATES) if key in entry)
             self.findings.append(Finding((*path, key), mistake.what, mistake.remedy))
             shape = (_listed(entry, entry) or 3,)  # what it seems to be
-        if name in RESERVED or name in OWN:
-            self.findings.append(Finding(path, f"{name} has a meaning of its own", "give the vector another name"))
+            self.guessed.add(name)
+        self._make(name, entry, shape)
+
+    def _make(self, name: str, entry: Mapping[str, Any], shape: Shape) -> None:
         self.vectors[name] = components(shape, lambda index: f"{name}{index}")
         velocity = entry.get("velocity")
         if "accel" in entry or velocity is not None:
@@ -85,12 +94,35 @@ class Names:
             own = (lambda index: f"{given}{index}") if given else (lambda index: f"{name}{index}_dot")
             self.vectors[given or f"{name}_dot"] = components(shape, own)
 
+    def _infer(self) -> None:
+        """Tell of what has a vector of another size as its rate; what else is due to that is not told."""
+        for section in DECLARED:
+            for name, entry in entries_of(self.data, section).items():
+                key = next((key for key in RATES if isinstance(entry, dict) and isinstance(entry.get(key), str)), "")
+                if key and (shape := self._shape_of(entry[key])) and name not in self.guessed:
+                    self._compare(name, entry, shape, key, (*self.path, section, name, key))
+
+    def _compare(self, name: str, entry: Mapping[str, Any], shape: Shape, key: str, path: Path) -> None:
+        """Compare a name with the shape of its rate, which is at a key of its entry, and at a path of the file."""
+        known = self.vector(name)
+        own, rate = shape_of(known) if known else (), shape[:1] if shape[1:] == (1,) else shape
+        if own == rate or any(map(self.unclear, names_in(entry[key]))):
+            return
+        size = shape[0] if len(shape) == 1 else list(shape)
+        remedy = f"write size: {size}, or make the {key} as long as it is"
+        if known is None:
+            remedy = f"write size: {size} beside it, or give one component, as in q[1]"
+            self._make(name, entry, shape)
+            self.waiting.clear()
+        self.findings.append(Finding(path, f"{name} is {in_words(own)}, and its {key} {in_words(shape)}", remedy))
+        self.guessed.add(name)
+
     def _shape(self, size: Any) -> Shape:
         sizes = size if isinstance(size, list) else [size]
         if any(isinstance(own, bool) or not isinstance(own, int | str) for own in sizes) or not 1 <= len(sizes) <= 2:
             raise Mistaken("this is no size", "write a whole number, size: 3, or rows and columns, size: [3, 3]")
         self.counted |= {name for own in sizes for name in re.findall(r"[A-Za-z_]\w*", str(own))}
-        shape = tuple(whole(str(own), {}, self.numbers) for own in sizes)
+        shape = tuple(whole(str(own), {}, self.numbers, in_loop=False) for own in sizes)
         most = LARGEST if len(shape) == 1 else LARGEST_MATRIX
         if not all(1 <= own <= most for own in shape):
             raise Mistaken(f"the size is {' by '.join(map(str, shape))}", f"write whole numbers from 1 to {most}")
@@ -131,6 +163,29 @@ class Names:
             return ()
         return () if found is None else shape_of(found)
 
+    def unclear(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
+        """Whether nobody knows the size of a name: it is declared nowhere, or mistaken, or made of such names."""
+        if name in seen:
+            return False
+        if name in self.guessed or not self.declares(name):
+            return True
+        value = self.defined.get(name)
+        if isinstance(value, str):
+            return any(self.unclear(own, seen | {name}) for own in names_in(value))
+        return self.above.unclear(name, seen) if self.above and not self._declares(name) else False
+
+    def declares(self, name: str) -> bool:
+        """Whether a name is declared anywhere, or may be."""
+        if self.above and self.above.declares(name):
+            return True
+        return self._declares(name) or any(own._declares(name) for own in self.phases.values())
+
+    def _declares(self, name: str) -> bool:
+        data = self.data
+        if name in RESERVED or name in self.vectors or name in self.defined or name in self.called or "model" in data:
+            return True
+        return any(name in entries_of(data, section) for section in (*DECLARED, *OTHERS)) or name in _velocities(data)
+
     def function(self, name: str) -> FileFunction | None:
         """The function of the file that has the name."""
         own = self.functions.get(name)
@@ -145,6 +200,13 @@ class Names:
         """Whether a name has the same value at all times."""
         own = any(name in entries_of(self.data, section) for section in ("parameters", "optimize")) or name == "pi"
         return own or (self.above is not None and self.above.fixed(name))
+
+
+def _velocities(data: Mapping[str, Any]) -> set[str]:
+    """The names of the velocities of states of one value."""
+    states = {name: own for name, own in entries_of(data, "states").items() if isinstance(own, dict)}
+    named = (own.get("velocity") for own in states.values())
+    return {f"{name}_dot" for name in states} | {str(own.get("name")) for own in named if isinstance(own, dict)}
 
 
 def entries_of(data: Mapping[str, Any], section: str) -> Mapping[str, Any]:

@@ -11,17 +11,21 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import chain, product
+from math import prod
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from ..expressions.signature import signature
+from ..expressions.slips import RESERVED
 from ..language.loops import Mistaken, whole_numbers
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .algebra import Scalar, Shape, each, shape_of
+from .algebra import Scalar, Shape, each, in_words, indexed, shape_of
 from .component import KEPT, MISTAKEN, Component, Filler, each_of
 from .reader import OWN
 from .scope import DECLARED, DEFINED, RATES, Names, entries_of
+from .told import InWords, Made, Named
 
 _ITEMS = {"residuals": ("expression",), "links": ("expression",), "complementarity": ("a", "b")}
 """Lists of what holds -> the keys of their expressions."""
@@ -29,6 +33,8 @@ _CONSTRAINT = ("expression",)
 _PLAIN = ("time", "objective", "nonsmooth")
 _GUESSES = ("constants", "formulas", "simulate", "keyframes")
 _SIGNS = re.compile(rf"\b(?:{'|'.join(sorted(OWN))})\s*\(|@|[(,]\s*\[")
+POINTS = ("line", "point", "circle", "box")
+"""Kinds of shapes in a drawing that have points."""
 _OF_RATE = re.compile(r"(\w+)(\[rate\])")
 
 SECTIONS = frozenset(
@@ -40,12 +46,13 @@ SECTIONS = frozenset(
 
 class WrittenOut(NamedTuple):
     """data: without vectors. origin: path in it -> that in the file. findings: mistakes. counted: parameters that sizes
-    go by."""
+    go by. in_words: says of vectors what is found of their components."""
 
     data: dict[str, Any]
-    origin: dict[Path, Path]
-    findings: list[Finding]
-    counted: frozenset[str]
+    origin: Mapping[Path, Path] = MappingProxyType({})
+    findings: Sequence[Finding] = ()
+    counted: frozenset[str] = frozenset()
+    in_words: InWords = InWords()
 
 
 def has_vectors(data: Mapping[str, Any]) -> bool:
@@ -94,10 +101,22 @@ def written_out(data: Mapping[str, Any]) -> WrittenOut:
     try:
         new = _Writer(names, (), filler).written(data)
     except Mistaken as mistake:
-        return WrittenOut({**data}, {}, [Finding((), mistake.what, mistake.remedy)], frozenset())
+        return WrittenOut({**data}, findings=[Finding((), mistake.what, mistake.remedy)])
     everywhere = [names, *names.phases.values()]
     findings = [*(finding for own in everywhere for finding in own.findings), *filler.findings]
-    return WrittenOut(new, filler.origin, findings, frozenset().union(*(own.counted for own in everywhere)))
+    counted = frozenset[str]().union(*(own.counted for own in everywhere))
+    in_words = InWords(_components(everywhere), filler.made, filler.texts)
+    return WrittenOut(new, filler.origin, findings, counted, in_words)
+
+
+def _components(everywhere: Sequence[Names]) -> dict[str, Named]:
+    """The names that are made, by which nothing else is called."""
+    declared = {
+        name for own in everywhere for section in (*DECLARED, *DEFINED) for name in entries_of(own.data, section)
+    }
+    vectors = [(name, value) for own in everywhere for name, value in own.vectors.items() if name not in RESERVED]
+    made = {own.text: Named(name, index) for name, value in vectors for index, own in indexed(value)}
+    return {text: named for text, named in made.items() if text not in declared}
 
 
 class _Writer:
@@ -162,6 +181,9 @@ class _Writer:
         for name, entry in entries.items():
             here, rate = (*path, name), _OF_RATE.fullmatch(name)
             value = self.names.vector(rate[1] if rate else name)
+            if value is None and isinstance(entry, list) and not rows:
+                new[name] = self._no_vector(name, len(entry), here)
+                continue
             if value is None:
                 new[name] = entry if rows and name == "time" else self._scalar(entry, here)
                 continue
@@ -173,6 +195,13 @@ class _Writer:
                 )
         return new
 
+    def _no_vector(self, name: str, count: int, path: Path) -> Any:
+        """What stands for a list that is given for one value, or for a name of which later checks tell."""
+        if self.names.declares(name):
+            what = f"{name} is one value, and this is a list of {count}"
+            self.filler.findings.append(Finding(path, what, f"write one number; a vector has size: {count}"))
+        return UNKNOWN
+
     def _items(self, keys: Sequence[str], items: Any, to: Path) -> Any:
         """A list of what holds, with as many items for a vector as it has components."""
         if not isinstance(items, list):
@@ -183,7 +212,9 @@ class _Writer:
             texts = {(*here, key): item.get(key) for key in keys} if isinstance(item, dict) else {here: item}
             shape = next((own for path, text in texts.items() if (own := self._shape(text, path))), ())
             for index in product(*map(range, shape)):
-                made = self.filler.value(item, Component(self.names, here, (*to, len(new)), index, shape))
+                made = self.filler.value(
+                    item, Component(self.names, here, (*to, len(new)), index, shape, Made(here, index, prod(shape)))
+                )
                 if isinstance(made, dict) and shape and "name" in made:
                     made["name"] = f"{made['name']} {','.join(str(k + 1) for k in index)}"
                 if isinstance(made, dict) and isinstance(made.get("except"), list):
@@ -248,12 +279,29 @@ class _Writer:
         return list(chain.from_iterable(names))
 
     def _drawing(self, value: Any, path: Path) -> Any:
-        """What a drawing has: a vector is a point."""
+        """What a drawing has: a vector is a point, or its x and its y are."""
         if isinstance(value, list):
             return [self._drawing(own, (*path, i)) for i, own in enumerate(value)]
         if isinstance(value, dict):
             return {key: own if key in KEPT else self._drawing(own, (*path, key)) for key, own in value.items()}
         found = self.filler.evaluated(value, self.names, path) if isinstance(value, str) else None
+        if found is None:
+            return value
         if isinstance(found, Scalar):
             return UNKNOWN if found is MISTAKEN else found.text
-        return value if found is None else [own.text for own in each(found)]
+        return self._point(found, value, path)
+
+    def _point(self, found: list[Any], text: str, path: Path) -> Any:
+        """A vector in a drawing, where a point may stand."""
+        shape, (kind, *inside) = shape_of(found), path[path.index("drawing") + 2 :] or ("",)
+        points = kind in POINTS and len(inside) == (kind == "line")
+        if points and shape == (2,):
+            for i, own in enumerate(each(found)):
+                self.filler.made[(*path, i)] = Made(path, (i,), 2)
+                self.filler.texts[(*path, i)] = own.text, text
+            return [own.text for own in each(found)]
+        name = text if text.isidentifier() else "q"
+        what = f"this is {in_words(shape)}, and {'a point is a vector of 2' if points else 'has to be one value'}"
+        remedy = f"write {name}[1..2], or [{name}[1], {name}[2]]" if points else f"name a component, as in {name}[1]"
+        self.filler.findings.append(Finding(path, what, remedy))
+        return [UNKNOWN, UNKNOWN] if points else UNKNOWN

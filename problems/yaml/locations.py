@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from typing import Any, NamedTuple
 
@@ -31,6 +31,7 @@ class Locations:
     blocks: path of a text that goes on below its key -> its lines, each with its number.
     short: path of what was written out from a short form -> the path at which that stands.
     made: path of a component of a vector, before short forms were written out -> that of the vector.
+    in_words: puts findings at such paths in the words of the file.
     """
 
     file: str
@@ -39,6 +40,7 @@ class Locations:
     blocks: Mapping[Path, Sequence[tuple[int, str]]] = field(default_factory=dict)
     short: Mapping[Path, Path] = field(default_factory=dict)
     made: Mapping[Path, Path] = field(default_factory=dict)
+    in_words: Callable[[list[Finding]], list[Finding]] = list
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
         """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read.
@@ -47,7 +49,8 @@ class Locations:
         same is said of SEVERAL and more, but for numbers: it is that of a loop.
         """
         first: dict[Path, Path] = {}
-        paths = [(finding, self.as_written(finding.path)) for finding in findings]
+        longer = [own._replace(path=_of(self.short, own.path)) for own in findings]
+        paths = [(finding, _of(self.made, finding.path)) for finding in self.in_words(longer)]
         written = [own._replace(path=path) for own, path in paths if first.setdefault(path, own.path) == own.path]
         ordered = self._of_loops(sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path)))
         located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
@@ -78,10 +81,7 @@ class Locations:
 
     def as_written(self, path: Path) -> Path:
         """A path in the file as it was written, short forms and all."""
-        for origins in (self.short, self.made):
-            given = next((n for n in range(len(path), 0, -1) if path[:n] in origins), 0)
-            path = (*origins[path[:given]], *path[given:]) if given else path
-        return path
+        return _of(self.made, _of(self.short, path))
 
     def written_out(self, path: Path) -> Path:
         """What a path in the file has become; the inverse of `as_written`."""
@@ -127,6 +127,12 @@ class Locations:
             path = path[:-1]
         line = _line_in(self.blocks[path], what) if path in self.blocks else origin
         return f"{self.file}:{line}: {dotted(path)}" if path else f"{self.file}:{line}"
+
+
+def _of(origins: Mapping[Path, Path], path: Path) -> Path:
+    """A path, with its longest part that was made of another replaced by that."""
+    given = next((n for n in range(len(path), 0, -1) if path[:n] in origins), 0)
+    return (*origins[path[:given]], *path[given:]) if given else path
 
 
 def _line_in(block: Sequence[tuple[int, str]], what: str) -> int:

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...transcription.solution.multipliers import ACTS, Multipliers
+from ...transcription.dual.multipliers import ACTS, Multipliers
 from ...transcription.solution.trajectory import Trajectory
 from ..file.reload import Reloaded
 from .check import ENGINE, Check, at

@@ -10,6 +10,9 @@ from ...transcription.measured.knots import knots_at, measured_fractions
 from ..file.reload import Reloaded
 from .check import Check, at
 
+ROUNDING = 1e-8
+"""Of 1 + |J|: what a state is worth over its range, where its costate is zero but for rounding."""
+
 
 def jumps_of_costates(result: Reloaded, number: int, tolerance: float) -> Iterator[Check]:
     """The worst of lambda(t-) - lambda(t+) - dW/dx(t) at the times of measurements, relative to the largest costate.
@@ -25,7 +28,8 @@ def jumps_of_costates(result: Reloaded, number: int, tolerance: float) -> Iterat
         return
     slopes = result.nlp.term.gradient(result.outcome.z)[layout.x[:, mesh.knots[inner]]]  # type: ignore[attr-defined]
     before, after = costate[:, mesh.offset[inner] - 1], costate[:, mesh.offset[inner]]
-    missed = np.abs(before - after - slopes) / (np.abs(costate).max(axis=1, keepdims=True) + 1e-300)
+    worth = ROUNDING * (1 + abs(result.outcome.objective)) / np.where(moved := np.ptp(trajectory.x, axis=1), moved, 1.0)
+    missed = np.abs(before - after - slopes) / (np.abs(costate).max(axis=1) + worth)[:, None]
     i, k = map(int, np.unravel_index(np.argmax(np.nan_to_num(missed, nan=np.inf)), missed.shape))
     name = "costates jump by what is measured, relative"
     where = f"{trajectory.phase.states[i].name}, {at(trajectory, trajectory.knots[inner[k]])}"

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...transcription.dual.multipliers import Multipliers
 from ...transcription.pontryagin.minimum import least_hamiltonian
 from ...transcription.solution.lagrangian import PhaseLagrangian
-from ...transcription.solution.multipliers import Multipliers
 from ...transcription.solution.trajectory import Trajectory
 from ..file.reload import Reloaded
 from .check import Check, at
@@ -32,7 +32,7 @@ def pontryagin(result: Reloaded, claimed: float) -> Iterator[tuple[Trajectory, C
     multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
     for number, trajectory in enumerate(result.trajectories):
         unique = not trajectory.phase.complementarity and not trajectory.phase.exact
-        if trajectory.costate is not None and trajectory.phase.controls and unique and np.ptp(trajectory.t):
+        if trajectory.costate is not None and trajectory.phase.controls and unique and trajectory.lasts:
             yield trajectory, _check(PhaseLagrangian(number, multipliers, trajectory), claimed)
 
 

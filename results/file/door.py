@@ -16,9 +16,10 @@ import h5py
 
 from ...problems.errors import FileError, Mistake
 from ...problems.text import shorten
-from .conform import Conformance, Scope
-from .layout import HEAD, RESULT, VERSION, Group
-from .nodes import LayoutError, endless
+from ..declared.conform import Conformance, Scope
+from ..declared.layout import HEAD, RESULT, VERSION
+from ..declared.nodes import LayoutError, endless
+from ..declared.words import Group
 
 FORMAT, FORMAT_VERSION = "trajopt result", 1
 DEEPEST = 50  # levels of the stored problem
@@ -95,7 +96,7 @@ def _size(path: Path) -> int:
         missing = isinstance(error, FileNotFoundError)
         what = "there is no such file" if missing else f"it cannot be read ({(error.strerror or str(error)).lower()})"
         beside = path.with_name(f"{path.name}.h5")
-        remedy = f"did you mean {beside}" if missing and beside.is_file() else ANOTHER
+        remedy = f"did you mean {beside}?" if missing and beside.is_file() else ANOTHER
         raise FileError(Mistake(str(path), what, remedy)) from error
     if not stat.S_ISREG(found.st_mode):
         what = "it is a folder" if stat.S_ISDIR(found.st_mode) else "it is no ordinary file"

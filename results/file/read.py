@@ -15,9 +15,9 @@ from ...problems.lean.records import dataclass
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Range
 from ...problems.text import printable, short_repr
+from ..declared.layout import SOLVER
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import open_result, stored_problem
-from .layout import SOLVER
 from .summary import DISCRETE
 
 if TYPE_CHECKING:

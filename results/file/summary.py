@@ -11,9 +11,9 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
+from ..declared.layout import MESH
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import DAMAGED, open_result, stored_problem
-from .layout import MESH
 
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
 """Why there are no sensitivities in a result that has no place for them."""

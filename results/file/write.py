@@ -73,12 +73,11 @@ from ...problems.errors import FileError, Mistake
 from ...problems.files import check_not_protected, check_writable, replacing
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
-from .write_measured import write_estimates, write_measured
+from .write_measured import write_estimates, write_measured, write_sensitivities
 from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
-    from ...transcription.solution.sensitivity import Sensitivities
     from ...transcription.solution.solution import MeshRecord, Solution
 
 MAX_UNMET = 20  # segments told one by one
@@ -190,7 +189,7 @@ def image_of(
         for number, record in enumerate(solution.meshes):
             _write_mesh(group_of(meshes, str(number)), solution, record)
         _write_solver(group_of(file, "solver"), solution)
-        _write_sensitivities(group_of(file, "sensitivity"), solution.sensitivities)
+        write_sensitivities(group_of(file, "sensitivity"), solution.sensitivities)
         return content_of(file)
 
 
@@ -288,15 +287,6 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     group.attrs["notes"] = texts(solution.notes)
     group.attrs["relief"] = texts(solution.relief)
     group.attrs["continuation"] = texts(map(str, solution.continuation))
-
-
-def _write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
-    group.attrs["missing"] = found.why_not
-    number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
-    for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
-        array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
-    for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
-        array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)
 
 
 def _discarded(record: MeshRecord) -> str:

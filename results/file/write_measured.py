@@ -1,17 +1,18 @@
-"""Measurements in a result file, beside the solution there; and the estimated parameters."""
+"""Measurements in a result file, beside the solution there; the estimated parameters, and the sensitivities."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
-from .arrays import array_of, group_of, scale_of
+from .arrays import array_of, group_of, scale_of, texts
 
 if TYPE_CHECKING:
     from ...problems.problem import Problem
     from ...transcription.measured.estimated import Estimates
+    from ...transcription.solution.sensitivity import Sensitivities
     from ...transcription.solution.trajectory import Trajectory
 
 
@@ -23,11 +24,14 @@ def write_measured(group: h5py.Group, trajectory: Trajectory) -> None:
     """
     phase = trajectory.phase
     states = [state.name for state in phase.states]
+
+    def values(t: np.ndarray) -> dict[str, Any]:
+        x = trajectory.at(phase.fractions_of(t)).x
+        return {"t": t, **dict(zip(states, x, strict=True)), **trajectory.parameters}
+
     for own in phase.measured:
-        x = trajectory.at((own.times - trajectory.t[0]) / (trajectory.t[1] - trajectory.t[0])).x
-        values = {"t": own.times, **dict(zip(states, x, strict=True)), **trajectory.parameters}
         with np.errstate(all="ignore"):
-            model = np.broadcast_to(own.function(values, np), own.times.shape)
+            model = own.along(values)
         one = group_of(group, own.name)
         number = scale_of(one, "measurement", np.arange(len(own.times)), "number of the measurement")
         array_of(one, "time", own.times, [number], "time of the measurement", unit=phase.time_unit)
@@ -60,3 +64,17 @@ def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> No
             "missing": found.why_not,
         }
     )
+
+
+def write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
+    """Write what the objective changes by with the numbers of the file.
+
+    group: empty.
+    found: path by path.
+    """
+    group.attrs["missing"] = found.why_not
+    number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
+    for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
+        array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)
+    for name, long_name in (("unit", "unit of the number"), ("note", "why there is no derivative, or what to know")):
+        array_of(group, name, texts(getattr(own, name) for own in found.all), [number], long_name)

@@ -15,7 +15,7 @@ from ..file.summary import summarize, telling
 from . import charts, film, mathematics
 from .page import PLOTS, rendered
 
-KINDS = {
+HEADINGS = {
     "state": "States",
     "control": "Controls",
     "algebraic": "Algebraic variables",
@@ -44,7 +44,7 @@ def result_page(path: Path, facts: Sequence[tuple[str, str]], checks: Sequence[C
     bounds = bounds_of(stated[1]) if stated else {}
     moving = film.film(result) if stated else None
     drawn = charts.curves(result, bounds)
-    kinds = [(KINDS[kind], _named(kind, own)) for kind, own in drawn.items()]
+    kinds = [(HEADINGS[kind], _named(kind, own)) for kind, own in drawn.items()]
     errors, steps = _named("error", charts.errors(result)), _named("solver", charts.convergence(result))
     every = {name: chart for _, own in [*kinds, ("", errors), ("", steps)] for name, chart in own.items()}
     return rendered(
@@ -61,7 +61,7 @@ def result_page(path: Path, facts: Sequence[tuple[str, str]], checks: Sequence[C
         variables=_variables(summary),
         telling=telling(summary),
         kinds=kinds,
-        left_out=sum(len(result.names(kind)) for kind in KINDS) - sum(len(own) for _, own in kinds),
+        left_out=sum(len(result.names(kind)) for kind in HEADINGS) - sum(len(own) for _, own in kinds),
         errors=errors,
         largest=_largest(result),
         meshes=_meshes(result),

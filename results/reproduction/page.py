@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 import platform
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from importlib.metadata import version
 
+from ..installation import processors
 from ..report.page import rendered
 from .chapter import Chapter, PaperCheck
 
@@ -19,7 +19,7 @@ MARK = f'<meta name="generator" content="{MADE_BY}">'
 def machine() -> str:
     """What it was measured on, in words."""
     versions = ", ".join(f"{name} {version(name)}" for name in ("trajopt", "pyomo"))
-    processor = f"{os.cpu_count()} processors, {platform.machine()}, {platform.system()}"
+    processor = f"{processors()} processors, {platform.machine()}, {platform.system()}"
     return f"{processor}; Python {platform.python_version()}, {versions}"
 
 

@@ -151,7 +151,6 @@ MODELS = [
         "expressions.foot_x",
         "foot_x is a name of the model five_link_biped; choose another name",
     ),
-    model("a motor that is none", "  u5: *motor\n", "  w: *motor\n", "controls.w", "w"),
     model("an unknown name beside a model", "u5**2", "uu5**2", "objective.minimize.integral", "did you mean u5?"),
     model("a guess that a model has not", "    dq5: (", "    dq6: (", "guess.constants.dq6", "did you mean dq5?"),
     edit("a file without states or model", "states:", "states_:", "states_", "did you mean states?"),

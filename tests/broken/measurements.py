@@ -40,12 +40,17 @@ MEASUREMENTS = [
     run("what is compared with no column", f"{{{DATA}, compare: {{y: x}}}}", "compare.y", "there is no column y"),
     run("an unknown name", f"{{{DATA}, compare: {{x: x + w}}}}", "compare.x", 'unknown name "w"'),
     run(
-        "a measured control",
-        f"{{{DATA}, compare: {{x: u}}}}",
+        "a measured control that is none",
+        f"{{{DATA}, compare: {{x: u + uu}}}}",
         "compare.x",
-        "u is a control, whose value at one instant",
+        'unknown name "uu"; did you mean u?',
     ),
-    run("a measured control by name", f"{{{DATA}, compare: {{x: power}}}}", "compare.x", "u is a control"),
+    run(
+        "the modulus of a measured control",
+        f"{{{DATA}, compare: {{x: abs(power)}}}}",
+        "compare.x",
+        "abs is not a consistent function",
+    ),
     run(
         "a measured constant", f"{{{DATA}, compare: {{x: 2*t}}}}", "compare.x", "depends on nothing that is to be found"
     ),
@@ -83,9 +88,9 @@ MEASUREMENTS = [
         "measured: a free end of time",
         "final: T}",
         "final: {lower: 1, upper: 3}}",
-        "measurements.run",
-        "an end of the time is free",
-        line=LINE,
+        "constraints.integral.0",
+        "an integral constraint is of one phase; name the integral under integrals:",
+        line=MEASURED[: MEASURED.index("expression: power, ")].count("\n") + 1,
     ),
     edit(
         "measured: residuals maximised",

@@ -1,6 +1,7 @@
 """The equations of motion of a chain, derived a second time: by SymPy, from energies and virtual work."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import sympy as sp
@@ -43,8 +44,31 @@ class Robot:
 
     def residuals(self, q, dq, ddq) -> np.ndarray:
         """d/dt dL/dq' - dL/dq - Q of each coordinate: those of the base first, then the angles, all at one point."""
-        n = len(q)
-        z, v, a = (sp.symbols(f"{name}:{n}") for name in "zva")
+        return np.array(self.compiled(q, dq, ddq), float)
+
+    @cached_property
+    def compiled(self):
+        return sp.lambdify((self.z, self.v, self.a), self.equations, "math")
+
+    @property
+    def z(self):
+        return sp.symbols(f"z:{self.coordinates}")
+
+    @property
+    def v(self):
+        return sp.symbols(f"v:{self.coordinates}")
+
+    @property
+    def a(self):
+        return sp.symbols(f"a:{self.coordinates}")
+
+    @cached_property
+    def coordinates(self) -> int:
+        return sum(link.moves for link in self.links) + {"fixed": 0, "cart": 1, "floating": 2}[self.base]
+
+    @cached_property
+    def equations(self) -> list[sp.Expr]:
+        z, v, a = self.z, self.v, self.a
         energy, potential, work, joints, tips, angles = 0, 0, 0, [], [], []
         moving = list(z)
         base = {"fixed": (0, 0), "cart": (z[0], 0), "floating": tuple(z[:2])}[self.base]
@@ -82,11 +106,10 @@ class Robot:
                 for p, e in zip(joints[number], (sp.cos(angles[number]), sp.sin(angles[number])), strict=True)
             )
             work += fx * x + fy * y
-        self.tips, self.z, self.v = tips, z, v
+        self.tips = tips
         momenta = [sp.diff(energy, rate) for rate in v]
         found = []
         for own, p in zip(z, momenta, strict=True):
             change = sum(sp.diff(p, c) * r + sp.diff(p, r) * s for c, r, s in zip(z, v, a, strict=True))
             found.append(change - sp.diff(energy - potential, own) - sp.diff(work, own))
-        values = dict(zip((*z, *v, *a), (*q, *dq, *ddq), strict=True))
-        return np.array([float(one.subs(values)) for one in found])
+        return found

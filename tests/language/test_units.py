@@ -1,11 +1,8 @@
 """`trajopt check` and units: what does not fit is one sentence at its place, and what is unknown is passed over."""
 
-import re
-
 import pytest
 from command_line import trajopt
 
-from trajopt.problems.catalog import find_problem
 from trajopt.problems.errors import SpecError
 from trajopt.problems.units.measure import MAX_LENGTH, alike, measured, same
 from trajopt.transcription.loading import load_yaml
@@ -160,25 +157,6 @@ def test_a_unit_that_is_none_is_a_warning():
 def test_all_mistakes_at_once():
     told = sentences(GOOD.replace("rate: v,", "rate: F,").replace("upper: m*g", "upper: nobody"))
     assert len(told) == 2 and "the rate of x" in told[0] and "nobody" in told[1]
-
-
-@pytest.mark.parametrize(
-    ("wrong", "links", "said", "given"),
-    [
-        ("value: 3.2, unit: g", (0, 4), "mass is said to be in kg", "in g"),
-        ("value: 0.4, unit: mm", (0, 1, 3, 4), "length is said to be in m", "in mm"),
-        ("value: 0.93, unit: kg", (0, 4), "inertia is said to be in kg*m^2", "in kg"),
-    ],
-)
-def test_units_of_a_chain_are_told_at_its_links(wrong, links, said, given):
-    value = wrong.partition(",")[0]
-    text = re.sub(rf"{value}, unit: [\w*^]+", wrong, find_problem("biped").read_text())
-    with pytest.raises(SpecError) as error:
-        load_yaml(text)
-    key = said.split()[0]
-    places = [f"model.links.{i}.{key}" for i in links]
-    told = [own for own in error.value.mistakes if said in own.what]
-    assert [own.where.split(": ")[1] for own in told] == places and all(given in own.what for own in told)
 
 
 @pytest.mark.parametrize(

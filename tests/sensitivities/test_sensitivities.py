@@ -10,7 +10,7 @@ from command_line import trajopt as command
 
 import trajopt
 from trajopt.problems.build import build, build_all
-from trajopt.problems.expressions.given import difference
+from trajopt.problems.names.given import difference
 from trajopt.results.file.write import image_of
 from trajopt.transcription.loading import load_file, load_yaml
 from trajopt.transcription.settings import schedule_of, settings_of
@@ -137,8 +137,8 @@ def test_finite_differences_and_an_exact_solution():
 
 @cache
 def failed():
-    """A problem without a solution, and how its solve ended."""
-    spec = load_file("cartpole", ["parameters.u_max=1"])
+    """A problem that is not solved, and how its solve ended."""
+    spec = load_file("cartpole", ["solver.max_iter=2"])
     return spec, solution_of(spec)
 
 

@@ -85,7 +85,7 @@ def test_multipliers_save_iterations_and_lead_to_the_same_point(solved, changed)
     assert warm.outcome.z == pytest.approx(plain.outcome.z, abs=1e-3)
 
 
-@pytest.mark.parametrize("changed", ["parameters.u_max=11.5", "states.w.upper=4.8", "parameters.l=0.4"])
+@pytest.mark.parametrize("changed", ["parameters.u_max=11.5", "states.w.upper=4.8", "parameters.l=0.6"])
 def test_a_neighbour_is_not_close_that_passes_a_bound_or_is_much_better(solved, changed):
     """There multipliers would cost iterations, up to four times as many."""
     assert np.isnan(foretold(solved, changed))

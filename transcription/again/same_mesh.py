@@ -28,7 +28,7 @@ def with_short_turns(step: Planned, settings: Settings, found: Found, damping: D
     if not names:
         return found
     again = solve_mesh(*step, settings, Origin(curves, None, damping), watch)
-    if not again[0].status.usable or left_basin(solution, again[0]):
+    if not again[0].status.may_replace(solution.status) or left_basin(solution, again[0]):
         return found
     told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
     return in_place(found, again, told)

@@ -251,14 +251,20 @@ class PhaseBuilder(ABC):
     def residuals(self) -> Any:
         """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
         phase, total = self.phase, 0.0
-        start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
         for own in phase.measured:
-            knots = self.mesh.knots[knots_at(self.mesh, (own.times - start) / duration)]
-            for k, t, y, w in zip(*(a.tolist() for a in (knots, own.times, own.values, own.weights)), strict=True):
-                values = self.at(k, [state.name for state in phase.states], inputs=False)
-                values["t"] = t
-                total += w * (own.function(values, pyomo) - y) ** 2
+            h = [self._at_knot(own.function, t) for t in own.instants.tolist()]
+            if own.spans is not None:
+                h = [(b - a) / d for a, b, d in zip(h[::2], h[1::2], np.diff(own.spans)[:, 0].tolist(), strict=True)]
+            for one, y, w in zip(h, own.values.tolist(), own.weights.tolist(), strict=True):
+                total += w * (one - y) ** 2
         return total
+
+    def _at_knot(self, function: Function, t: float) -> Any:
+        """A function of states and parameters at a knot of the phase."""
+        (k,) = self.mesh.knots[knots_at(self.mesh, self.phase.fractions_of(np.array([t])))].tolist()
+        values = self.at(k, [state.name for state in self.phase.states], inputs=False)
+        values["t"] = t
+        return function(values, pyomo)
 
     def integral(self, w: Function) -> Any:
         """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""

@@ -87,6 +87,10 @@ class Status(Enum):
         """Whether the point is optimal, or nearly: good enough to start the next mesh from."""
         return self in (Status.SOLVED, Status.ACCEPTABLE, Status.FEASIBLE)
 
+    def may_replace(self, other: Status) -> bool:
+        """Whether a point that ended so may stand in place of another: an acceptable one not in place of an optimal."""
+        return self.usable and not (self is Status.ACCEPTABLE and other in (Status.SOLVED, Status.FEASIBLE))
+
     @classmethod
     def from_code(cls, code: int) -> Status:
         return next((status for status in cls if status.code == code), cls.FAILED)

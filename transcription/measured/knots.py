@@ -28,8 +28,7 @@ def measured_fractions(phase: Phase) -> np.ndarray:
     """The normalised times of the measurements of a phase, increasing, those near an end or another one once."""
     if not phase.measured:
         return np.zeros(0)
-    start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
-    s = np.unique(np.concatenate([(own.times - start) / duration for own in phase.measured]))
+    s = np.unique(phase.fractions_of(np.concatenate([own.instants for own in phase.measured])))
     s = s[(s > APART) & (s < 1 - APART)]
     return s[np.diff(s, prepend=-1.0) > APART]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram, WithTerm, callback
+from .means import MeanResiduals
 from .residuals import Residuals
 
 
@@ -21,14 +22,19 @@ def with_residuals(transcription: Transcription, nlp: NonlinearProgram) -> Nonli
     if not phases:
         return nlp
     names = [parameter.name for parameter in transcription.problem.parameters]
-    measured = [Residuals(own, transcription.parameters, names, nlp.seconds) for own in phases]
+    measured = [
+        kind(own, transcription.parameters, names, nlp.seconds)
+        for own in phases
+        for kind, of_means in ((Residuals, False), (MeanResiduals, True))
+        if any((one.spans is not None) == of_means for one in own.phase.measured)
+    ]
     return WithTerm(nlp, _Sum(measured, nlp.seconds))
 
 
 class _Sum:
     """The residuals of all phases, a `Term`; what is not finite is raised as by a program."""
 
-    def __init__(self, measured: Sequence[Residuals], seconds: dict[str, float]) -> None:
+    def __init__(self, measured: Sequence[Residuals | MeanResiduals], seconds: dict[str, float]) -> None:
         self.measured, self.seconds = measured, seconds
         rows, columns = zip(*(own.rows_columns for own in measured), strict=True)
         self.structure = np.concatenate(rows), np.concatenate(columns)

@@ -11,6 +11,7 @@ x(t_m) is the unknown state at the knot at t_m, so that derivatives are exact:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -35,27 +36,27 @@ class Residuals:
     def __init__(self, layout: Layout, parameters: np.ndarray, names: Sequence[str], seconds: dict) -> None:
         phase: Phase = layout.phase
         states = [state.name for state in phase.states]
-        self.functions = PointFunctions([own.function for own in phase.measured], [*states, *names], [TIME], seconds)
-        start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
-        self.times = np.unique(np.concatenate([own.times for own in phase.measured]))
-        knots = layout.mesh.knots[knots_at(layout.mesh, (self.times - start) / duration)]
+        measured = [own for own in phase.measured if own.spans is None]
+        self.functions = PointFunctions([own.function for own in measured], [*states, *names], [TIME], seconds)
+        self.times = np.unique(np.concatenate([own.times for own in measured]))
+        knots = layout.mesh.knots[knots_at(layout.mesh, phase.fractions_of(self.times))]
         places = [layout.x[:, knots].T, np.broadcast_to(parameters, (len(knots), len(parameters)))]
         self.columns = np.hstack(places).astype(int)
-        self.values, self.weights = np.zeros((2, len(self.times), len(phase.measured)))
-        self._gather(phase)
+        self.values, self.weights = np.zeros((2, len(self.times), len(measured)))
+        self._gather(measured)
         i, j = np.tril_indices(self.columns.shape[1])
         a, b = self.columns[:, i], self.columns[:, j]
         self.lower = i, j
         self.rows_columns = np.maximum(a, b).ravel(), np.minimum(a, b).ravel()
         self.factor = cross_factor(a, b, i != j)
 
-    def _gather(self, phase: Phase) -> None:
+    def _gather(self, measured: Sequence[Measured]) -> None:
         """Of several measurements of one quantity at one time, as of one that is their mean; `apart` is what is left.
 
         w_1 (h - y_1)^2 + w_2 (h - y_2)^2 = (w_1 + w_2) (h - y)^2 + w_1 (y - y_1)^2 + w_2 (y - y_2)^2
         """
         self.apart = 0.0
-        for j, own in enumerate(phase.measured):
+        for j, own in enumerate(measured):
             at = np.searchsorted(self.times, own.times)
             total = np.bincount(at, own.weights, len(self.times))
             mean = np.bincount(at, own.weights * own.values, len(self.times)) / np.where(total > 0, total, 1.0)
@@ -102,7 +103,9 @@ def squares_with(
     value: its number.
     """
     phase = layout.phase
-    start, duration = phase.initial_time.lower, phase.final_time.lower - phase.initial_time.lower
-    x = z[layout.x[:, layout.mesh.knots[knots_at(layout.mesh, (own.times - start) / duration)]]]
-    values = {TIME: own.times, **dict(zip((state.name for state in phase.states), x, strict=True)), **p, name: value}
-    return float((own.weights * (own.function(values, np) - own.values) ** 2).sum())
+
+    def values(t: np.ndarray) -> dict[str, Any]:
+        x = z[layout.x[:, layout.mesh.knots[knots_at(layout.mesh, phase.fractions_of(t))]]]
+        return {TIME: t, **dict(zip((state.name for state in phase.states), x, strict=True)), **p, name: value}
+
+    return float((own.weights * (own.along(values) - own.values) ** 2).sum())

@@ -9,8 +9,8 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Guess
 from ...problems.text import short_repr
+from ..dual.multipliers import Multipliers
 from ..solution.lagrangian import PhaseLagrangian
-from ..solution.multipliers import Multipliers
 from ..solution.solution import Solution
 from ..solution.trajectory import Trajectory
 from ..solution.violation import of_phase
@@ -50,7 +50,7 @@ def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower
     phases = {
         i: PhaseLagrangian(i, multipliers, own)
         for i, own in enumerate(trajectories)
-        if own.phase.controls and not own.phase.exact and np.ptp(own.t)
+        if own.phase.controls and not own.phase.exact and own.lasts
     }
     notable = max(share * bar.bar, LEAST * (1 + abs(solution.objective)))
     for rough in (True, False):

@@ -13,13 +13,13 @@ from ...problems.lean.records import dataclass
 from ...problems.quantities import Function
 from ...problems.text import short_repr
 from ..constraint_kinds import INTEGRAL
+from ..dual.multipliers import Density, Measure, Multipliers
 from ..layout import Layout
 from ..schemes.mesh import Mesh
 from ..schemes.segment import Group
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
 from .implicit import Nearby, consistent_inputs, where_defined
-from .multipliers import Density, Measure, Multipliers
 from .trajectory import Sample, Trajectory
 
 GAUSS_POINTS = 4  # between neighbouring nodes of a segment; 6 change the bar by 1 %
@@ -108,7 +108,7 @@ class PhaseLagrangian:
         for measure in self.multipliers.of_states(self.layout):
             at = tr.at(measure.s)
             u = at.u if self.n else self._inputs(at.t, at.x, at.u)  # with controls, what asks for inputs is no measure
-            g = self._values(measure.function, at.t, at.x, u)
+            g = self.values(measure.function, at.t, at.x, u)
             nearest = np.diff(np.concatenate([[0.0], (measure.s[1:] + measure.s[:-1]) / 2, [1.0]]))
             theta = self.multipliers.acting(measure.mass / nearest, np.abs(g - measure.bound), measure.bound)
             found.append((measure, measure.spread(theta, self.duration), measure.between(theta, self.duration)))
@@ -119,7 +119,8 @@ class PhaseLagrangian:
     def _inputs(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
         return consistent_inputs(self.phase, t, x, u, self.p)
 
-    def _values(self, function: Function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    def values(self, function: Function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Of a function of the problem, in the shape of t; states x and inputs u have a row for each."""
         return np.broadcast_to(function(self.phase.arguments(t, x, u, self.p), np), np.shape(t))
 
     def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -239,7 +240,7 @@ class PhaseLagrangian:
 
         def values(controls: np.ndarray, k: np.ndarray) -> np.ndarray:
             point = at(controls, k)
-            return np.stack([self._values(c.function, *point) for c in own])
+            return np.stack([self.values(c.function, *point) for c in own])
 
         lower, upper = np.array([[c.bounds.lower, c.bounds.upper] for c in own]).T
         return Constrained(values, lower, upper, np.stack([np.interp(samples.s, c.s, c.density) for c in own]))
@@ -248,7 +249,7 @@ class PhaseLagrangian:
         """Multipliers times what the states exceed their constraints by, over each segment; its share of the bar."""
         total, share = np.zeros((2, len(samples.weights)))
         for measure, spread, between in self.of_states:
-            beyond = self._values(measure.function, samples.t, samples.x, samples.u) - measure.bound
+            beyond = self.values(measure.function, samples.t, samples.x, samples.u) - measure.bound
             inside = between[np.searchsorted(measure.s, samples.s)] * beyond
             total += samples.integral(inside)
             share += np.abs(samples.integral(np.interp(samples.s, measure.s, spread) * beyond))
@@ -282,9 +283,9 @@ class PhaseLagrangian:
         assert at.costate is not None
         L = self._hamiltonian(t, x, u, self.sense * at.costate[:, None])
         for measure, spread, _ in self.of_states:
-            L = L + np.interp(s, measure.s, spread) * self._values(measure.function, t, x, u)
+            L = L + np.interp(s, measure.s, spread) * self.values(measure.function, t, x, u)
         for c in self.of_controls:
-            L = L + np.interp(s, c.s, c.density) * self._values(c.function, t, x, u)
+            L = L + np.interp(s, c.s, c.density) * self.values(c.function, t, x, u)
         return (L[n:] - L[:n]) / (2 * step[:, None, None])
 
 

@@ -12,7 +12,8 @@ segment by segment,
     quadrature     exact integral of w - the scheme's own quadrature of it
     dynamics       integral of lambda (f(x, u) - dx/dt)
     control        integral of min over v of H(x, v, lambda) - H(x, u, lambda)
-    constraints    integral of nu (g(x) - bound), for bounds of states and path constraints without controls
+    constraints    integral of nu (g(x) - bound), for bounds of states and path constraints without controls;
+                   and what a touch between points gains where it belongs (`touch`)
 
 Algebraic variables solve the residuals at every time (see `implicit`). v is any control within its bounds and its path
 constraints, at the same x (see `hamiltonian`): this is the second-order term of an error of u, and where u smears a
@@ -28,6 +29,7 @@ The bar is a sum over the segments, as errors of either sign on different segmen
     + integral of |H(x, nearest v within bounds, lambda) - H(x, u, lambda)|
     + |constraints, the masses of their multipliers spread around their points|
     + TOUCHED * (what of it exceeds a constraint between two points that both hold it)
+    + SHIFTED * |where a touch of a constraint belongs, see `touch`|
     + what the barrier leaves at the ends + residuals of equations + rounding
 
 A phase in discrete time, or without time, is its own nonlinear program: it adds to the last line alone.
@@ -51,13 +53,15 @@ import numpy as np
 
 from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
+from ..dual.multipliers import Multipliers
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from .lagrangian import TERMS, PhaseLagrangian, no_terms
-from .multipliers import Multipliers
+from .lagrangian import TERMS, PhaseLagrangian, Terms, no_terms
+from .touch import touches
 from .trajectory import Trajectory
 
+SHIFTED = 1.5  # with a mass on one point alone, what a touch is worth is too small by a sixth
 ROUNDING = 1e-11  # relative to 1 + |J|: of sums, of derivatives by differences, and of the engine
 
 
@@ -110,6 +114,8 @@ def objective_error(
     found = [phases[i].terms() if i in phases else no_terms(own.mesh) for i, own in enumerate(trajectories)]
     if why_not := next((phase.why_not for phase in phases.values() if phase.why_not), ""):
         return ObjectiveError(why_not=why_not)
+    for i, phase in phases.items():
+        _add_touches(phase, found[i])
     terms = {kind: tuple(sense * own.signed[kind] for own in found) for kind in TERMS}
     segments = tuple(np.sum(own, axis=0) for own in zip(*terms.values(), strict=True))
     shares = tuple(own.shares for own in found)
@@ -120,6 +126,18 @@ def objective_error(
     if not np.isfinite([correction, bar]).all():
         return ObjectiveError(why_not="a function of the problem has no finite value between the points")
     return ObjectiveError(correction, bar, multipliers.gap, segments, shares, terms)
+
+
+def _add_touches(phase: PhaseLagrangian, terms: Terms) -> None:
+    """Add what touches of constraints are worth: to the segment that has one, and to that where it belongs."""
+    if any(group.scheme.simulated for group in phase.mesh.groups):
+        return
+    knots = phase.mesh.fractions[phase.mesh.knots]
+    for touch in touches(phase):
+        for s in (touch.at, touch.belongs):
+            segment = min(int(np.searchsorted(knots, s, side="right")) - 1, phase.mesh.segments - 1)
+            terms.signed["constraints"][segment] -= touch.worth / 2
+            terms.shares[segment] += SHIFTED * touch.worth / 2
 
 
 def _why_not(outcome: Outcome, trajectories: Sequence[Trajectory]) -> str:

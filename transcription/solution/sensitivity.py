@@ -28,8 +28,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...problems.expressions.expression import Expression
-from ...problems.expressions.given import EPSILON, Given, difference
 from ...problems.lean.records import dataclass
+from ...problems.names.given import EPSILON, Given, difference
 from ...problems.problem import Problem
 from ...problems.quantities import Range
 from ...problems.text import short_repr

@@ -25,6 +25,7 @@ from ..schemes.mesh import Mesh
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 ROUNDING = 1e-9  # of the largest time
+NOTHING = 1e-6  # of its guessed duration: a phase shorter than that has shrunk to nothing
 ALIGNED = 1e-12  # of the duration: a time this near to the initial one is there
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
 
@@ -65,6 +66,12 @@ class Trajectory:
     @property
     def final_time(self) -> float:
         return float(self.t[1])
+
+    @property
+    def lasts(self) -> bool:
+        """Whether the phase takes any time, and has not shrunk to nothing."""
+        guess = self.phase.guess
+        return self.final_time - self.initial_time > NOTHING * (guess.final_time - guess.initial_time)
 
     @cached_property
     def times(self) -> np.ndarray:

@@ -27,11 +27,11 @@ from ...problems.quantities import Range
 from ..arcs import CLOSE, CONTROL, HELD, INSIDE, LOWER, PATH, SINGULAR, STATE, UPPER, Arc, Course
 from ..constraint_kinds import BOUND
 from ..constraint_kinds import PATH as PATH_ROWS
+from ..dual.multipliers import Multipliers
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
 from ..program.contract import NonlinearProgram
 from ..refinement.switches import JUMP, Switches
-from ..solution.multipliers import Multipliers
 from ..solution.trajectory import Trajectory
 from .affine import is_affine
 from .runs import arcs_of, snapped, with_touches
@@ -57,7 +57,8 @@ def courses(
     """
     own = Multipliers(transcription, nlp, outcome)
     phases = zip(transcription.phases, trajectories, strict=True)
-    return tuple(() if layout.phase.exact else _Phase(own, layout, tr).courses for layout, tr in phases)
+    known = (_Phase(own, layout, tr).courses if tr.lasts and not tr.phase.exact else () for layout, tr in phases)
+    return tuple(known)
 
 
 @dataclass(frozen=True)

@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
+from ..dual.multipliers import ACTS, Multipliers
 from ..engines.linear import solved
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..measured.estimated import Estimates
 from ..program.contract import NonlinearProgram
-from ..solution.multipliers import ACTS, Multipliers
 
 SINGULAR = 1e-10
 """Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""

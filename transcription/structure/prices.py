@@ -14,10 +14,10 @@ import numpy as np
 
 from ...problems.quantities import Range
 from ..constraint_kinds import Multiplier
+from ..dual.multipliers import ACTS, Multipliers
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from ..solution.multipliers import ACTS, Multipliers
 
 
 def prices(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> tuple[Mapping[str, float], ...]:

@@ -12,8 +12,9 @@ import numpy as np
 
 from ...problems.lean.records import dataclass
 from ...problems.text import shorten
-from .layout import TEXT, TEXTS, UNITS, Array, Attribute, Each, Group, Size
+from .layout import UNITS
 from .nodes import LayoutError, fits, has, has_attribute, kind_of, names_in, opened, shape_of
+from .words import TEXT, TEXTS, Array, Attribute, Each, Group, Size
 
 KNOWN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
 LARGEST = 4 * 2**30  # bytes of all arrays together: more is not read into memory

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 from math import nan
 
-from .expression import Expression
-from .tree import Number
+from ..expressions.expression import Expression
+from ..expressions.tree import Number
 
 STEP = 2.0**-10
 """Of differences, relative to the number: the error of four values is of its fourth power, 1e-12."""

@@ -55,12 +55,14 @@ class Measure:
     """A side of a constraint on the states: function <= bound or >= bound, or an equation.
 
     mass: (K,) of its multiplier at normalised times s (K,), positive where it keeps the function from growing.
+    places: (K,) of the n unknowns that it bounds, or n + those of its rows.
     """
 
     function: Function
     bound: float
     s: np.ndarray
     mass: np.ndarray
+    places: np.ndarray
 
     def spread(self, theta: np.ndarray, duration: float) -> np.ndarray:
         """The mass that acts, as a density at s: each over the points nearest to it."""
@@ -186,15 +188,20 @@ class Multipliers:
 
     def of_rows(self, phase: Phase, kind: ConstraintKind, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,)."""
+        s, rows, weights = self._rows(phase, kind, name)
+        return s, self.over_time[rows], weights
+
+    def _rows(self, phase: Phase, kind: ConstraintKind, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Normalised times, numbers and quadrature weights of the rows of one constraint, each (K,)."""
         wanted = (phase.name, kind, name)
         same = [f for f in self.transcription.families if (f.phase, f.kind, f.name) == wanted]
         if not same:
-            return (np.zeros(0),) * 3
+            return np.zeros(0), np.zeros(0, int), np.zeros(0)
         s = np.concatenate([f.span[:, 0] for f in same])
-        y = np.concatenate([self.over_time[f.rows(self.nlp)] for f in same])
+        rows = np.concatenate([f.rows(self.nlp) for f in same])
         weights = np.concatenate([f.weights for f in same])
         order = np.argsort(s, kind="stable")
-        return s[order], y[order], weights[order]
+        return s[order], rows[order], weights[order]
 
     def at_knots(self, layout: Layout) -> np.ndarray:
         """What bounds of states at the knots add to the costates of `costate`, shape (n_x, K + N - 1), at the slots.
@@ -239,23 +246,26 @@ class Multipliers:
         for state, places in zip(phase.states, layout.x, strict=True):
             inside = np.flatnonzero(places >= 0)
             inside = inside[(inside > 0) & (inside < len(places) - 1)]
-            s, y, _ = self.of_rows(phase, BOUND, state.name)
+            s, rows, _ = self._rows(phase, BOUND, state.name)
+            y = self.over_time[rows]
             times = np.concatenate([layout.mesh.fractions[inside], s])
             order = np.argsort(times, kind="stable")
+            own = np.concatenate([places[inside], self.nlp.n + rows])[order]
             for z, bound, sign in ((o.z_lower, state.bounds.lower, -1), (o.z_upper, state.bounds.upper, 1)):
                 if np.isfinite(bound) and len(times):
                     mass = np.concatenate([sign * z[places[inside]], np.where(sign * y > 0, y, 0.0)])
-                    yield Measure(_value_of(state.name), bound, times[order], mass[order])
+                    yield Measure(_value_of(state.name), bound, times[order], mass[order], own)
         for c in phase.path:
             if phase.controls and _depends_on_inputs(phase, c.function):
                 continue
-            s, y, _ = self.of_rows(phase, PATH, c.name)
+            s, rows, _ = self._rows(phase, PATH, c.name)
+            y, own = self.over_time[rows], self.nlp.n + rows
             if c.bounds.fixed:
-                yield Measure(c.function, c.bounds.lower, s, y)
+                yield Measure(c.function, c.bounds.lower, s, y, own)
                 continue
             for bound, sign in ((c.bounds.lower, -1), (c.bounds.upper, 1)):
                 if np.isfinite(bound):
-                    yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0))
+                    yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0), own)
 
 
 def _depends_on_inputs(phase: Phase, function: Function) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 
 import h5py
 
-from .layout import FLAG, NUMBER, OPTION, TEXT, TEXTS, WHOLE
+from .words import FLAG, NUMBER, OPTION, TEXT, TEXTS, WHOLE
 
 SINGLE: tuple[int, ...] = ()
 """Shape of a single value."""
