@@ -124,6 +124,17 @@ class Walk:
         return self.tables[node.table].evaluate(self.functions, operands)
 
 
+def first_fault(expression: Evaluated, values: Mapping[str, Any]) -> Fault | None:
+    """The innermost sub-expression without a finite value, see `Expression.fault`."""
+    walk = _Audit(values, np)
+    try:
+        with np.errstate(all="ignore"):
+            walk.evaluate(expression)
+    except _Found as found:
+        return found.fault
+    return None
+
+
 class _Found(Exception):  # noqa: N818 - it ends a walk and is no error
     def __init__(self, fault: Fault):
         self.fault = fault
