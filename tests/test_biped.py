@@ -11,7 +11,7 @@ from walker import CHAIN, LINKS, LOPSIDED, Q0, STRIDE, TABLE_4, G, T, biped
 from trajopt.problems.chains.robots import ROBOTS
 from trajopt.problems.problem import Phase
 from trajopt.problems.schema.model import CHAIN as CHAIN_KIND
-from trajopt.problems.schema.model import KINDS
+from trajopt.problems.schema.model import NAMES_OF_MODELS
 from trajopt.transcription.solution.implicit import consistent_inputs
 
 # -- mechanics, derived a second time: a chain that floats freely, by Lagrange ---
@@ -159,7 +159,7 @@ def test_the_name_stands_for_the_chain():
 
 
 def test_every_robot_that_is_known_has_a_name():
-    assert (CHAIN_KIND, *ROBOTS) == KINDS
+    assert (CHAIN_KIND, *ROBOTS) == NAMES_OF_MODELS
     for robot in ROBOTS.values():
         assert all(unit and note for unit, note in robot.parameters.values())
 

@@ -105,7 +105,7 @@ def test_the_biped_of_the_docs_is_that_of_the_library_and_of_its_name():
         row["expression"] for row in shown["constraints"]["boundary"]
     ]
     del data["constraints"]
-    named = trajopt.solve(trajopt.load(json.dumps(data | {"model": "five_link_biped"})))
+    named = trajopt.solve(trajopt.load(json.dumps(data | {"model": "five_link_biped"}, indent=1)))
     assert named.objective == pytest.approx(trajopt.solve(trajopt.load("biped")).objective, rel=1e-11)
 
 
