@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
+from .lean.records import dataclass
 from .text import did_you_mean
 from .yaml.document import read_document
 

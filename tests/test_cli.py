@@ -11,7 +11,7 @@ import pytest
 from command_line import trajopt
 
 from trajopt.cli.app import COMMANDS
-from trajopt.problems.catalog import shipped
+from trajopt.problems.catalog import Listed, listed, shipped
 from trajopt.problems.load import load
 from trajopt.transcription.schemes.table import METHODS
 
@@ -47,9 +47,14 @@ def test_list():
 
 
 def test_list_by_tags():
-    """Those with all of the tags."""
+    """Those with all of the tags; what is listed is what the files, read in full, say."""
+    specs = {name: load(path) for name, path in shipped().items()}
+    assert listed() == {
+        name: Listed(own.name, tuple(own.tags), own.source, own.reference and own.reference.objective)
+        for name, own in specs.items()
+    }
     rows = trajopt("list", "--tag", "minimum-time", "--tag", "robotics").stdout.splitlines()[1:]
-    fast = {name for name, path in shipped().items() if {"minimum-time", "robotics"} <= {*load(path).tags}}
+    fast = {name for name, own in specs.items() if {"minimum-time", "robotics"} <= {*own.tags}}
     assert {row.split()[0] for row in rows} == fast and "robot_arm" in fast
     assert any("9.14091 " in row and " minimum-time, bang-bang," in row for row in rows)
 

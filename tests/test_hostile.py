@@ -2,6 +2,7 @@
 
 import json
 import sys
+from itertools import chain
 from subprocess import PIPE, Popen
 
 import h5py
@@ -39,8 +40,9 @@ def ended_badly(bad, good, folder, commands=QUICK):
 
 
 def test_good_results_are_read_by_every_command(good, tmp_path):
-    untouched = [Bad(path, path.stem, lambda path: None) for path in good]
-    for own, runs in campaign(untouched, good[0], tmp_path, list(COMMANDS)):
+    *new, old = [Bad(path, path.stem, lambda path: None) for path in good]
+    read_old = campaign([old], good[0], tmp_path, [*QUICK, "verify"])  # once read, it is as any other
+    for own, runs in chain(campaign(new, good[0], tmp_path, list(COMMANDS)), read_old):
         for run in runs:
             good_codes = (0, 2) if run.command == "animate" else (0,)  # not every problem has a drawing
             assert not run.fault and (run.code in good_codes or own.name == "failed"), (own.name, run)

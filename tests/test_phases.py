@@ -1,52 +1,22 @@
 """Problems of several phases: from the file to the optimum, for every kind of method; links, order, guesses."""
 
-from pathlib import Path
+import gc
+import weakref
 
-import h5py
 import numpy as np
 import pytest
+from phased import CURVE, MOVE, loaded, solved
 
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
-from trajopt.problems.load import load_text
 from trajopt.problems.phases.merge import home, phase_specs
 from trajopt.problems.phases.order import Passage, passages
-from trajopt.results.file.reload import reload
-from trajopt.results.file.write import image_of
-from trajopt.results.verify import verify
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.loading import build_checked, load_yaml
+from trajopt.transcription.loading import build_checked, load_file, load_yaml
 from trajopt.transcription.scaling import scale
-from trajopt.transcription.settings import Refine, Settings, Step, schedule_of, settings_of
+from trajopt.transcription.settings import Refine, Settings, Step, schedule_of
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, transcribe
-
-MOVE = """
-trajopt: 1
-name: move
-states:
-  x: {rate: v, unit: m, initial: 0, final: 1}
-  v: {rate: u, unit: m/s, initial: 0, final: 0}
-controls: {u: {unit: m/s^2}}
-time: {initial: 0, final: 1}
-phases:
-  first: {}
-  second: {time: {initial: {lower: 0.2, upper: 0.8}}}
-objective: {minimize: {integral: u**2}}
-mesh: [{method: hermite-simpson, segments: 6}]
-"""
-CURVE = 12.0  # the exact least integral of u**2 for x: 0 -> 1 in a time of 1, which no waypoint on it changes
-
-
-def loaded(text: str, *overrides: str):
-    return load_text(text, "x.yaml", overrides)
-
-
-def solved(text: str, *overrides: str, **options):
-    spec = loaded(text, *overrides)
-    solution = solve(build(spec), schedule_of(spec), options.pop("settings", settings_of(spec)), **options)
-    assert solution.solved, solution.status
-    return solution
 
 
 @pytest.mark.parametrize(
@@ -258,60 +228,6 @@ def test_a_link_that_cannot_hold_is_named():
     assert any("link 'jump'" in way for way in solution.relief)
 
 
-def test_a_result_of_phases_is_read_back_and_verified(tmp_path):
-    spec = loaded(MOVE, "phases.first.mesh=[{method: radau, segments: 3}]")
-    solution = solve(build(spec), schedule_of(spec))
-    path = written(solution, spec, tmp_path)
-    again = reload(path)
-    assert [mesh.schemes[0].name for mesh in again.records[-1].grids] == ["radau", "hermite-simpson"]
-    for ours, theirs in zip(again.trajectories, solution.trajectories, strict=True):
-        np.testing.assert_allclose(ours.x, theirs.x, atol=1e-12)
-        np.testing.assert_allclose(ours.costate, theirs.costate, atol=1e-9)
-    checks = {check.name: check for check in verify(path)}
-    assert all(check.passed for check in checks.values())
-    assert checks["links between phases, relative"].where and "H goes on from first to second, relative" in checks
-    assert "second: simulated x, relative to its range" in checks
-
-
-FREE = "{lower: 0.1, upper: 0.9, guess: 0.3}"
-TIGHT = "{lower: 0.2999, upper: 0.3001}"
-
-
-def at_a_time(bounds: str):
-    """The move through x = 0.6 at a time within bounds."""
-    text = MOVE.replace(
-        "second: {time: {initial: {lower: 0.2, upper: 0.8}}}", f"second: {{time: {{initial: {bounds}}}}}"
-    )
-    text = text.replace("first: {}", f"first: {{time: {{final: {bounds}}}, states: {{x: {{final: 0.6}}}}}}")
-    return loaded(text)
-
-
-def written(solution, spec, folder) -> Path:
-    path = folder / "a.h5"
-    path.write_bytes(image_of(solution, spec.text, spec.model_dump_json(), "test"))
-    return path
-
-
-def test_verify_sees_a_passage_at_another_time_than_the_best(tmp_path):
-    """The solution of a passage that was held at 0.3, told to be one of a free time."""
-    tight, free = at_a_time(TIGHT), at_a_time(FREE)
-    held = solve(build(tight), schedule_of(tight))
-    assert held.objective > solve(build(free), schedule_of(free)).objective + 0.1
-    failed = [check.name for check in verify(written(held, free, tmp_path)) if not check.passed]
-    assert "H goes on from first to second, relative" in failed
-    assert not [c for c in verify(written(held, tight, tmp_path)) if c.name.startswith("H goes on")]
-
-
-def test_verify_sees_a_broken_link(tmp_path):
-    spec = at_a_time(FREE)
-    path = written(solve(build(spec), schedule_of(spec)), spec, tmp_path)
-    start_of_v = int(reload(path).transcription.phases[1].x[1, 0])
-    with h5py.File(path, "r+") as file:
-        file["solver/z"][start_of_v] += 0.5
-    (broken,) = [check for check in verify(path) if check.name.startswith("links")]
-    assert not broken.passed and broken.where == "v from first to second"
-
-
 def test_what_only_the_methods_know_is_told_of_the_phase():
     wrong = "phases.second.mesh=[{method: radau, segments: 3}, {method: trapezoid, segments: 4, degree: 3}]"
     differences = "phases.first.mesh=[{method: finite-difference, segments: 4}]"
@@ -334,3 +250,14 @@ def test_tables_in_dynamics_and_links_of_phases():
     assert looked_up.objective == pytest.approx(written.objective, rel=1e-8)
     with pytest.raises(SpecError, match="argument"):
         loaded(MOVE, *given, links % "f(second.x[initial], 2)")
+
+
+@pytest.mark.parametrize("text", [MOVE, "cartpole"])
+def test_a_problem_that_nobody_holds_is_gone(text):
+    """The phases of the spec that was asked for last are kept, but not the spec."""
+    spec = load_file(text) if text == "cartpole" else load_yaml(text)
+    build_checked([spec])
+    held = weakref.ref(spec)
+    del spec
+    gc.collect()
+    assert held() is None

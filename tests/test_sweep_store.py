@@ -1,94 +1,21 @@
 """The folder of a sweep: what is read of it, what is not, and who may write to it. Cases are solved in this process."""
 
-import csv
 import json
-import os
 import zipfile
-from concurrent.futures import Future
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from command_line import trajopt
+from sweeping import TEXT, Inline, swept, table
 
 from trajopt.problems.catalog import shipped
-from trajopt.problems.errors import FileError, SpecError
 from trajopt.results.file.summary import summarize
-from trajopt.results.sweep import dataset, run, tables
-from trajopt.results.sweep import store as store_module
 from trajopt.results.sweep.axes import parse
 from trajopt.results.sweep.case import INTERRUPTED, WORKER_DIED, Task, solve_case, watch
 from trajopt.results.sweep.plan import grid, sampled
-from trajopt.results.sweep.store import Store, about
 
 pytestmark = pytest.mark.usefixtures("folder")
-
-TEXT = """
-trajopt: 1
-name: push
-parameters: {l: {value: 1, unit: m}, T: {value: 1, unit: s}}
-time: {initial: 0, final: T}
-states:
-  x: {unit: m, rate: v, initial: 0, final: l}
-  v: {unit: m/s, rate: u, initial: 0, final: 0}
-controls: {u: {unit: m/s^2, lower: -20, upper: 20}}
-objective: {minimize: {integral: u**2}}
-mesh: [{method: hermite-simpson, segments: 4}]
-"""
-PLAN = grid([parse("parameters.l=1,2,3"), parse("mesh.0.method=trapezoid,hermite-simpson")])
-
-
-class Inline:
-    """An engine in this process; `deaths`: how often the worker of a case dies; `backwards`: the last task first."""
-
-    waits, capacity = True, 2
-
-    def __init__(self, deaths=(), backwards=False):
-        self.deaths, self.backwards, self.tasks, self.held = dict(deaths), backwards, [], []
-
-    def submit(self, task):
-        self.tasks.append(task)
-        future = Future()
-        if self.deaths.get(task.number, 0):
-            self.deaths[task.number] -= 1
-            future.set_exception(BrokenProcessPool("killed"))
-        else:
-            future.set_result(solve_case(task))
-        return future
-
-    def stop(self):
-        pass
-
-    def close(self):
-        pass
-
-
-def swept(
-    folder="s", plan=PLAN, engine=None, *, text=TEXT, full=False, chain=False, stop_after=None, shard=None, **how
-):
-    """A sweep from its beginning to its end, or as far as `stop_after` cases; gives the records and the tasks."""
-    engine, ended = engine or Inline(), []
-    store = Store(Path(folder), plan, shard)
-    store.open(about(plan, text, "push.yaml", [], chain), **how)
-    try:
-        job = run.Job(text, "push.yaml", (), "trajopt sweep push.yaml", full, chain)
-        _, missing = run.todo(plan, store, full, shard)
-        run.run(plan, store, engine, job, missing, stop=lambda: stop_after is not None and len(ended) >= stop_after,
-                report=lambda record: record and ended.append(record["case"]))  # fmt: skip
-        records = store.refreshed()
-        tables.write_table(Path(folder) / "index.csv", plan.paths, records)
-        dataset.write_arrays(Path(folder) / "sweep.h5", plan, records, {"units": {"l": "m", "time": "s", "x": "m"}})
-    finally:
-        store.close()
-    return records, [task.number for task in engine.tasks]
-
-
-def table(folder="s"):
-    """index.csv without the seconds."""
-    with open(Path(folder) / "index.csv", newline="") as file:
-        return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
 
 
 def test_what_is_kept(folder):
@@ -263,93 +190,6 @@ def test_shards_solve_it_together():
     assert sorted(path.name for path in Path("s").glob("index*.jsonl")) == [
         "index-1-of-2.jsonl", "index-2-of-2.jsonl", "index.jsonl"
     ]  # fmt: skip
-
-
-OTHERS = {
-    "problem file": {"text": TEXT + "\n# a comment\n"},
-    "axes": {"plan": grid([parse("parameters.l=1,2")])},
-    "chaining": {"chain": True},
-}
-
-
-@pytest.mark.parametrize("what", OTHERS)
-def test_a_folder_has_one_sweep(what):
-    swept(stop_after=1)
-    before = Path("s/index.jsonl").read_bytes()
-    with pytest.raises(SpecError) as error:
-        swept(**OTHERS[what])
-    assert str(error.value) == (
-        f"s: the folder holds another sweep ({what} differ); choose another folder with -o, or start anew with --force"
-    )
-    assert Path("s/index.jsonl").read_bytes() == before
-    Path("s/mine.txt").write_text("precious")
-    records, _ = swept(**OTHERS[what], force=True)
-    assert all(record["solved"] for record in records.values())
-    assert Path("s/mine.txt").read_text() == "precious"
-
-
-def test_two_sweeps_at_once_in_one_folder():
-    store = Store(Path("s"), PLAN)
-    store.open(about(PLAN, TEXT, "push.yaml", [], False))
-    for shard in (None, (1, 2)):
-        with pytest.raises(SpecError, match=r"^s: another trajopt sweep is at work in this folder; wait until"):
-            swept(shard=shard)
-    store.close()
-    shards = [Store(Path("s"), PLAN, (i, 2)) for i in (1, 2)]
-    for shard in shards:
-        shard.open(about(PLAN, TEXT, "push.yaml", [], False))
-    with pytest.raises(SpecError, match="at work"):
-        swept(shard=(2, 2))
-    with pytest.raises(SpecError, match="at work"):
-        swept()
-    for shard in shards:
-        shard.close()
-
-
-def test_what_is_no_folder_of_a_sweep():
-    Path("other").mkdir()
-    Path("other/a.txt").write_text("precious")
-    Path("file").write_text("precious")
-    Path("half").mkdir()
-    Path("half/sweep.json").write_text("{")
-    sentences = {
-        "other": "other: the folder is not empty and holds no sweep; choose another with -o",
-        "file": "file: it is no folder; choose another with -o",
-        "half": "half/sweep.json: it cannot be read; choose another folder with -o, or start anew with --force",
-    }
-    for name, sentence in sentences.items():
-        result = trajopt("sweep", "block_move_min_force", "--over", "time.final=1,2", "-o", name)
-        assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"error: {sentence}\n")
-    assert Path("other/a.txt").read_text() == Path("file").read_text() == "precious"
-
-
-def test_folders_that_cannot_be_written(folder):
-    for name, words in (("no/s", "the folder around it does not exist"), ("/proc/s", "it cannot be made")):
-        result = trajopt("sweep", "block_move_min_force", "--over", "time.final=1,2", "-o", name)
-        assert result.exit_code == 3 and result.stderr.startswith(f"error: {name}: {words}")
-    if os.geteuid():
-        (folder / "s").mkdir(mode=0o500)
-        with pytest.raises(FileError, match="its folder cannot be written"):
-            swept()
-
-
-def test_a_disk_that_is_full_ends_the_sweep_and_loses_nothing(monkeypatch):
-    whole = store_module.append
-
-    def append(stream, line):
-        if line.startswith(b'{"case": 3'):
-            whole(stream, line[:40])
-            raise OSError(28, "No space left on device")
-        whole(stream, line)
-
-    full = pytest.raises(FileError, match=r"index.jsonl: it cannot be written \(No space left on device\); make room")
-    with monkeypatch.context() as patch, full:
-        patch.setattr(store_module, "append", append)
-        swept()
-    _, tasks = swept()
-    assert not {0, 1, 2, 3} & set(tasks)  # the small result of case 3 had been written
-    swept("whole")
-    assert table() == table("whole")
 
 
 def test_a_stopped_solve_is_no_result():

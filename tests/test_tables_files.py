@@ -4,13 +4,11 @@ import json
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import broken
 import numpy as np
 import pytest
-from test_broken_files import HUNG
 
 import trajopt
 from trajopt.problems.errors import SpecError
@@ -57,10 +55,8 @@ def test_a_broken_csv_file(name, tmp_path):
     (inside / "link.csv").symlink_to(tmp_path / "outside.csv")
     path = inside / "problem.yaml"
     path.write_text(PROBLEM.replace("{file: data/drag.csv, outside: extrapolate, unit: N}", entry))
-    start = time.perf_counter()
     with pytest.raises(SpecError) as error:
         load(path, (), broken.METHODS)
-    assert time.perf_counter() - start < HUNG
     sentences = [str(mistake) for mistake in error.value.mistakes]
     assert any(s.startswith(f"{path}:3: tables.drag") and says in s for s in sentences), "\n".join(sentences)
     assert all(len(s) < 700 and "\n" not in s for s in sentences)

@@ -47,7 +47,7 @@ def phase_specs(spec: Spec) -> dict[str, Spec]:
     """Name -> the phase as a problem of its own; a file without phases is its only one."""
     for known in _latest:
         if known.spec() is spec:
-            return {name: phase or spec for name, phase in known.phases.items()}
+            return {name: spec if phase is None else phase for name, phase in known.phases.items()}
     own = phases_as_written(spec)
     phases = {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
     kept = {name: None if phase is spec else phase for name, phase in phases.items()}

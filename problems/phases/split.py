@@ -14,18 +14,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
-import yaml
+from pydantic import BaseModel
 
 from ..lean.records import dataclass
 from ..names.occurrences import HISTORY, TRAJECTORY, constraint_names, constraints, uses
 from ..schema.declarations import TimeEnd
 from ..schema.spec import Spec
-
-METHOD = {"method": "radau", "segments": 2, "degree": 8}
-"""The first mesh of an arc, on which the solution is smooth."""
-
-MOST_MESHES = 6
-"""After the first one: an arc that is smooth needs fewer."""
+from .merge import phases_as_written
 
 OF_TIMES = re.compile(r"\bt\[(initial|final|duration)\]")
 
@@ -49,12 +44,15 @@ class Part:
 
 
 def why_not(spec: Spec) -> str:
-    """Why a problem cannot be split into phases; "" if it can."""
+    """Why a problem cannot be split into phases, or into more of them; "" if it can."""
+    return next(filter(None, map(_why_not, phases_as_written(spec).values())), "")
+
+
+def _why_not(spec: Spec) -> str:
+    """The same of one phase."""
     own = list(uses(spec))
     reasons = {
-        "it has phases already": spec.phases or spec.waypoints,
         "it has no continuous time": spec.static or spec.discrete,
-        "a chain of links writes its states and equations itself": spec.model.kind,
         "one of two things is zero in it (complementarity), which has no smooth arcs": spec.complementarity,
         "abs, min and max are not smooth within an arc": spec.nonsmooth,
         "states at earlier times are of one phase": any(use.context == HISTORY for use in own),
@@ -62,36 +60,54 @@ def why_not(spec: Spec) -> str:
         "its equations depend on t[initial], t[final] or t[duration], which would be those of a phase": any(
             use.context == TRAJECTORY and OF_TIMES.search(use.expression.text) for use in own
         ),
+        "its equations depend on an integral so far, which begins anew in every phase": any(
+            use.context == TRAJECTORY and any(leaf.name in spec.integrals for leaf in use.expression.leaves)
+            for use in own
+        ),
     }
     return next((why for why, so in reasons.items() if so), "")
 
 
-def split(spec: Spec, parts: Sequence[Part], tolerance: float, refine: float) -> str:
-    """A problem file in which every part is a phase, as text.
+def split_alone(spec: Spec, parts: Sequence[Part]) -> dict[str, Any]:
+    """A problem file in which every part is a phase, as data without a mesh.
 
     spec: of one phase, see `why_not`.
     parts: in order, two or more.
-    tolerance: of the engine.
-    refine: the relative error to which the meshes are refined.
     """
-    data = _plain(spec)
-    data |= {"mesh": [METHOD | {"tolerance": tolerance}], "refine": {"tolerance": refine, "max_meshes": MOST_MESHES}}
-    _integrals_as_states(data, spec)
-    path = data.get("constraints", {}).pop("path", [])
-    named = {name: {**entry, "name": name} for name, entry in zip(_names(spec, "path"), path, strict=True)}
-    phases = {f"arc{number}": _phase(spec, part, named) for number, part in enumerate(parts, start=1)}
-    ends = {"lower": _end(spec.time.initial, "lower"), "upper": _end(spec.time.final, "upper")}
-    within = {key: value for key, value in ends.items() if value is not None}
+    data = plain(spec)
+    for state, (rate, bounds) in integral_states(spec).items():
+        data["states"][state] = {"rate": rate, "initial": 0, "final": bounds}
+    for kind in ("integral", "path"):
+        data.get("constraints", {}).pop(kind, [])
+    named = named_paths(spec)
+    phases = {f"arc{number}": arc(spec, part, named) for number, part in enumerate(parts, start=1)}
     for own, part in zip(list(phases.values())[:-1], parts, strict=False):
-        own["time"] = {"final": within | {"guess": part.end}}
+        own["time"] = {"final": bounds_of_time(spec) | {"guess": part.end}}
     final = data["time"].get("final")
     if isinstance(final, dict) and "value" not in final:
         final["guess"] = parts[-1].end
-    return yaml.safe_dump(data | {"phases": phases}, sort_keys=False, allow_unicode=True, width=118)
+    return data | {"phases": phases}
 
 
-def _phase(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """What an arc has of its own. constraints: the path constraints of the file, by name."""
+def named_paths(spec: Spec) -> dict[str, dict[str, Any]]:
+    """The path constraints of a phase as data, by name; spec: of the phase."""
+    path = _entries(spec, "path")
+    return {name: {**entry, "name": name} for name, entry in zip(_names(spec, "path"), path, strict=True)}
+
+
+def bounds_of_time(spec: Spec) -> dict[str, str]:
+    """Between which times a phase is, as the file writes them, as far as they have bounds; spec: of the phase."""
+    ends = {"lower": _end(spec.time.initial, "lower"), "upper": _end(spec.time.final, "upper")}
+    return {key: value for key, value in ends.items() if value is not None}
+
+
+def arc(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """What an arc has of its own.
+
+    spec: of the phase that it is a part of.
+    part: of it.
+    constraints: its path constraints, as of `named_paths`.
+    """
     states: dict[str, dict[str, Any]] = {
         name: {on: beyond} for name, (on, beyond) in part.freed.items() if name in spec.states
     }
@@ -111,14 +127,18 @@ def _phase(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) ->
             resting.append(name)
     controls = {name: _fixed(getattr(spec.controls[name], on).text) for name, on in part.fixed.items()}
     boundary = [entry for name in resting for entry in _at_rest(spec, name)]
-    constraints = _filled({"path": path, "boundary": boundary})
-    return _filled({"controls": controls, "states": states, "constraints": constraints})
+    constraints = filled({"path": path, "boundary": boundary})
+    return filled({"controls": controls, "states": states, "constraints": constraints})
 
 
-def _plain(spec: Spec) -> dict[str, Any]:
-    """The file as it stands, without what is of its own guess and mesh, or of an objective that overrides changed."""
-    data: dict[str, Any] = _filled(json.loads(spec.model_dump_json(exclude_defaults=True)))
-    left_out = {"guess", "continuation", "sweep", *(["reference"] if spec.overrides else [])}
+def plain(spec: Spec) -> dict[str, Any]:
+    """The file as data as it stands, without what is of its own guess and mesh, or of an objective that overrides
+    changed; a chain of links is the states and equations that it stands for.
+
+    spec: of the file.
+    """
+    data = data_of(spec)
+    left_out = {"guess", "continuation", "sweep", "model", *(["reference"] if spec.overrides else [])}
     data = {key: value for key, value in data.items() if key not in left_out}
     if "solver" in data:
         data["solver"] = {key: value for key, value in data["solver"].items() if key not in ("starts", "seed")}
@@ -152,18 +172,32 @@ def _at_rest(spec: Spec, name: str) -> list[dict[str, Any]]:
     return found
 
 
-def _integrals_as_states(data: dict[str, Any], spec: Spec) -> None:
-    """Put a state and a condition on its end in the place of each integral constraint."""
-    integrals = data.get("constraints", {}).pop("integral", [])
+def integral_states(spec: Spec, phase: str = "") -> dict[str, tuple[str, dict[str, str]]]:
+    """A state in the place of each integral constraint: its name -> its rate, and its range at the end.
+
+    spec: of the phase.
+    phase: its name, of several.
+    """
     taken = {name for group in _VARIABLES for name in getattr(spec, group)}
-    for number, (entry, name) in enumerate(zip(integrals, _names(spec, "integral"), strict=True), start=1):
-        state = f"integral{number}"
+    found = {}
+    for number, entry in enumerate(_entries(spec, "integral"), start=1):
+        state = f"integral{number}" + (f"_of_{phase}" if phase else "")
         while state in taken:
             state += "_"
-        data["states"][state] = {"rate": entry["expression"], "initial": 0}
-        bounds = {key: entry[key] for key in ("lower", "upper", "equals") if key in entry}
-        own = {"name": name, "expression": f"{state}[final]", **bounds}
-        data["constraints"].setdefault("boundary", []).append(own)
+        equal = {key: entry["equals"] for key in ("lower", "upper") if "equals" in entry}
+        found[state] = entry["expression"], equal or {key: entry[key] for key in ("lower", "upper") if key in entry}
+    return found
+
+
+def _entries(spec: Spec, kind: str) -> list[dict[str, Any]]:
+    """The constraints of a kind, as data."""
+    return [data_of(entry) for entry in getattr(spec.constraints, kind)]
+
+
+def data_of(entry: BaseModel) -> dict[str, Any]:
+    """What is given in a part of a file, as data."""
+    found: dict[str, Any] = filled(json.loads(entry.model_dump_json(exclude_defaults=True)))
+    return found
 
 
 def _names(spec: Spec, kind: str) -> list[str]:
@@ -171,6 +205,9 @@ def _names(spec: Spec, kind: str) -> list[str]:
     return [name for (path, _), name in zip(constraints(spec), constraint_names(spec), strict=True) if path[1] == kind]
 
 
-def _filled(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Without what is empty."""
+def filled(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Without what is empty.
+
+    data: part of a file.
+    """
     return {key: value for key, value in data.items() if value not in ({}, [], None, "")}

@@ -85,7 +85,7 @@ class Spec(Entry):
     )
     model: ModelEntry = Field(
         ModelEntry.model_construct(kind=""),
-        description="a chain of links, {kind: chain, links: [...]}, or the name of a shipped model: it gives states, "
+        description="a chain of links, {kind: chain, links: [...]}, or the name of a robot: it gives states, "
         "controls, dynamics; the file its parameters, and bounds and ends where there are any",
     )
     time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")

@@ -9,7 +9,7 @@ check of `verify` that the first one passes.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import inf
@@ -20,7 +20,8 @@ import numpy as np
 
 from ...problems.errors import SpecError
 from ...problems.lean.records import dataclass
-from ...problems.phases.split import Part, split, why_not
+from ...problems.phases.split import Part, why_not
+from ...problems.phases.split_each import split
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
 from ...transcription.continuation import solve_spec
@@ -44,6 +45,9 @@ ALLOWED = 1e-6  # excess over 1 + |bound|, of a state whose bound is not in the 
 COLLAPSED = 1e-6  # of the duration: a phase that is shorter is none
 ROUNDS = 3  # of leaving such phases out
 ROUNDING = 1e-9  # of 1 + |objective|: what is worth less, is nothing
+
+Parts = Sequence[Sequence[Part]]
+"""Those of each phase, in order."""
 
 Progress = Callable[[int, dict], None] | None
 Stop = Callable[[], bool] | None
@@ -97,70 +101,92 @@ def _polished(first: Polished, progress: Progress, stop: Stop) -> Polished | str
     """The solution in phases, or why there is none that is better."""
     if not first.solution.objective_error.applies:
         return f"its objective has no error bar to compare with ({first.solution.objective_error.why_not})"
-    return _in_phases(first, parts_of(first.solution.arcs[0], first.solution.trajectories[0]), progress, stop)
+    phases = zip(first.solution.arcs, first.solution.trajectories, strict=True)
+    return _in_phases(first, [parts_of(courses, whole) for courses, whole in phases], progress, stop)
 
 
-def _in_phases(first: Polished, parts: Sequence[Part], progress: Progress, stop: Stop) -> Polished | str:
+def _in_phases(first: Polished, parts: Parts, progress: Progress, stop: Stop) -> Polished | str:
     """The solution in phases, without those that shrink to nothing, or why there is none that is better."""
-    whole = first.solution.trajectories[0]
     for _ in range(ROUNDS):
-        if not 2 <= len(parts) <= MOST_PARTS:
-            return "it has no switch" if len(parts) < 2 else f"it has {len(parts)} arcs, which are too many"
+        count = sum(map(len, parts))
+        if count == len(parts):
+            return "it has no switch" if count == 1 else "none of its phases has a switch"
+        if count > MOST_PARTS * len(parts):
+            return f"it has {count} arcs, which are too many"
         new = _solved(first, parts, progress, stop)
         if isinstance(new, str):
             return new
-        duration = whole.final_time - whole.initial_time
-        lasts = [own.final_time - own.initial_time > COLLAPSED * duration for own in new.solution.trajectories]
-        if all(lasts):
+        lasting = _lasting(first, new, parts)
+        if lasting == [list(own) for own in parts]:
             return _why_worse(first, new, parts) or Polished(_with_arcs(new.solution, first.solution, parts), new.spec)
-        parts = merged([part for part, kept in zip(parts, lasts, strict=True) if kept])
+        parts = [merged(own) for own in lasting]
     return "its arcs shrink to nothing"
 
 
-def _with_arcs(new: Solution, old: Solution, parts: Sequence[Part]) -> Solution:
+def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[Part]]:
+    """The parts of each phase that have not shrunk to nothing; of several the last one, if all have."""
+    found, trajectories = [], iter(new.solution.trajectories)
+    for whole, own in zip(first.solution.trajectories, parts, strict=True):
+        least = COLLAPSED * (whole.final_time - whole.initial_time)
+        solved = [(part, next(trajectories)) for part in own]
+        kept = [part for part, trajectory in solved if trajectory.final_time - trajectory.initial_time > least]
+        found.append(kept if kept and len(own) > 1 else list(own[-1:]))
+    return found
+
+
+def _pieces(solution: Solution, parts: Parts) -> Iterator[tuple[int, Part, float, float]]:
+    """The number of the phase, the part, and from when to when it is in a solution, of all parts in order."""
+    for number, (whole, own) in enumerate(zip(solution.trajectories, parts, strict=True)):
+        starts = [whole.initial_time, *(part.end for part in own)]
+        yield from ((number, part, a, b) for part, (a, b) in zip(own, pairwise(starts), strict=True))
+
+
+def _with_arcs(new: Solution, old: Solution, parts: Parts) -> Solution:
     """The solution in phases with the arcs of the first one, whose controls are not bounded but fixed in it."""
-    starts, found = [old.trajectories[0].initial_time, *(part.end for part in parts)], []
-    for own, (a, b) in zip(new.trajectories, pairwise(starts), strict=True):
-        arcs = [(course, course.at((a + b) / 2)) for course in old.arcs[0]]
+    found = []
+    for own, (number, _, a, b) in zip(new.trajectories, _pieces(old, parts), strict=True):
+        arcs = [(course, course.at((a + b) / 2)) for course in old.arcs[number]]
         start, end = own.initial_time, own.final_time
         found.append(tuple(replace(course, arcs=(replace(arc, start=start, end=end),)) for course, arc in arcs))
     return replace(new, arcs=tuple(found))
 
 
-def _solved(first: Polished, parts: Sequence[Part], progress: Progress, stop: Stop) -> Polished | str:
+def _solved(first: Polished, parts: Parts, progress: Progress, stop: Stop) -> Polished | str:
     """The solution in phases, or why there is none."""
+    named = {phase.name: own for phase, own in zip(first.solution.problem.phases, parts, strict=True)}
+    count = sum(map(len, parts))
     try:
-        spec = load_yaml(split(first.spec, parts, TOLERANCE, REFINED), file=first.spec.file)
+        spec = load_yaml(split(first.spec, named, TOLERANCE, REFINED), file=first.spec.file)
         (problems,) = build_checked([spec])
     except SpecError as error:
-        return f"in {len(parts)} phases, {error.mistakes[0].what}"
+        return f"in {count} phases, {error.mistakes[0].what}"
     solution = solve_spec(spec, problems, guess=_guess(first, problems[0], parts), progress=progress, stop=stop)
     if not solution.solved:
-        return f"in {len(parts)} phases it is not solved ({solution.status.message})"
+        return f"in {count} phases it is not solved ({solution.status.message})"
     return Polished(solution, spec)
 
 
-def _guess(first: Polished, problem: Problem, parts: Sequence[Part]) -> list[Guess]:
+def _guess(first: Polished, problem: Problem, parts: Parts) -> list[Guess]:
     """The parts of the first solution."""
-    whole = first.solution.trajectories[0]
-    start, duration = whole.initial_time, whole.final_time - whole.initial_time
     found = []
-    for phase, (a, b) in zip(problem.phases, pairwise([start, *(part.end for part in parts)]), strict=True):
+    for phase, (number, _, a, b) in zip(problem.phases, _pieces(first.solution, parts), strict=True):
+        whole = first.solution.trajectories[number]
+        start, duration = whole.initial_time, (whole.final_time - whole.initial_time) or 1.0
         curves = whole.samples(np.clip((a + (b - a) * S - start) / duration, 0.0, 1.0))
         found.append(adapted(Guess(a, b, S, curves, whole.parameters), phase))
     return found
 
 
-def _why_worse(first: Polished, new: Polished, parts: Sequence[Part]) -> str:
+def _why_worse(first: Polished, new: Polished, parts: Parts) -> str:
     """What speaks against the solution in phases; "" if it is better."""
     old, own, sense = first.solution, new.solution, first.solution.problem.sense
     bars = [s.objective_error.bar for s in (old, own)]
     told = f"in {len(own.trajectories)} phases the objective is {own.objective:.10g}"
     if sense * (own.objective - old.objective) > bars[0] + bars[1]:
         return f"{told}, which is worse"
-    phase = old.problem.phases[0]
-    bounds = {variable.name: variable.bounds for variable in (*phase.states, *phase.controls)}
-    for trajectory, part in zip(own.trajectories, parts, strict=True):
+    for trajectory, (number, part, _, _) in zip(own.trajectories, _pieces(old, parts), strict=True):
+        phase = old.problem.phases[number]
+        bounds = {variable.name: variable.bounds for variable in (*phase.states, *phase.controls)}
         beyond = [name for name in part.freed if bounds[name].excess(trajectory.samples(S)[name]).max() > ALLOWED]
         if beyond:
             return f"{told}, but {beyond[0]} leaves its bounds"

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...problems.quantities import Range
+from ...transcription.solution.implicit import consistent_inputs
 from ...transcription.solution.trajectory import Trajectory
 
 SHARES = np.array([0.01, 0.5, 1.0])
@@ -48,8 +49,9 @@ def worth_of_leaving(
         for value in _others(bounds[control.name], fixed[control.name]):
             moved = u.copy()
             moved[i] = value
+            moved = consistent_inputs(phase, t, x, moved, trajectory.parameters)
             gain = there - _hamiltonian(trajectory, t, x, moved, costate, sense)
-            gain[~_allowed(trajectory, t, x, moved)] = 0.0
+            gain[~(_allowed(trajectory, t, x, moved) & np.isfinite(gain))] = 0.0
             worst = max(worst, float((weights * np.maximum(gain, 0.0)).sum()))
     return worst
 

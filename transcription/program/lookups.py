@@ -14,10 +14,10 @@ call evaluates the polynomials of the cells with their derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from itertools import combinations_with_replacement
-from math import prod
+from math import factorial, prod
 from typing import Any
 
 import numpy as np
@@ -55,8 +55,12 @@ class Lookup:
 
 
 def _suffixes(n: int) -> list[str]:
-    orders = (own for order in range(3) for own in combinations_with_replacement(range(n), order))
-    return ["".join(f"_{i}" for i in own) for own in orders]
+    return ["".join(f"_{i}" for i in own) for own in _orders(n)]
+
+
+def _orders(n: int) -> list[tuple[int, ...]]:
+    """The axes of each derivative, from the value to the second ones."""
+    return [own for order in range(3) for own in combinations_with_replacement(range(n), order)]
 
 
 class Chain:
@@ -116,18 +120,34 @@ def in_order(lookups: Sequence[Lookup]) -> list[Lookup]:
     return [own for groups in levels(lookups) for group in groups for own in group]
 
 
+READ = 2**16
+"""Numbers of a table that are read at once: they stay near the processor."""
+
+
 class Cells:
     """A table at many points: value, first and second partial derivatives, in the order of `Lookup.symbols`."""
 
     def __init__(self, table: Table, backend: str) -> None:
         self.table, self.code = table, _polynomial(len(table.axes), backend)
+        self.width = len(_orders(len(table.axes)))
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """points: (S, n). Returns (S, 1 + n + n (n + 1)/2)."""
-        read = self.table.rows.take(self.table.cells(points.T), axis=0)
-        distance = read[:, -points.shape[1] :]
-        np.subtract(points, distance, out=distance)
-        return self.code(read)
+        n = points.shape[1]
+        cells, rows = self.table.cells(points.T), self.table.rows
+        size = READ // rows.shape[1]
+        if len(points) <= size:
+            read = rows.take(cells, axis=0)
+            np.subtract(points, read[:, -n:], out=read[:, -n:])
+            return np.asarray(self.code(read))
+        found = np.empty((len(points), self.width))
+        whole = np.empty((size, rows.shape[1]))
+        for start in range(0, len(points), size):
+            own = slice(start, start + size)
+            read = rows.take(cells[own], axis=0, out=whole[: len(cells[own])], mode="clip")
+            np.subtract(points[own], read[:, -n:], out=read[:, -n:])
+            self.code(read, out=found[own])
+        return found
 
 
 @cache
@@ -135,25 +155,77 @@ def _polynomial(n: int, backend: str) -> Any:
     """Compiled code: the coefficients of a cell and the distances from its corner -> what `Cells` gives."""
     c = [se.Symbol(f"c{i}") for i in range(ORDER**n)]
     d = [se.Symbol(f"d{i}") for i in range(n)]
-    orders = (own for order in range(3) for own in combinations_with_replacement(range(n), order))
-    outputs = [_horner(c, d, [own.count(i) for i in range(n)]) for own in orders]
-    return lambdify(c + d, outputs, backend, opt_level=3)
+    taylor = _contracted(c, d, 2)
+    counts = [tuple(map(own.count, range(n))) for own in _orders(n)]
+    return lambdify(c + d, [prod(map(factorial, own)) * taylor[own] for own in counts], backend, opt_level=3)
 
 
-def _horner(coefficients: list[Any], distances: list[Any], orders: list[int]) -> Any:
-    """A partial derivative of the polynomial of a cell, whose coefficients have the powers of the last axis first."""
+def _contracted(coefficients: list[Any], distances: list[Any], most: int) -> dict[tuple[int, ...], Any]:
+    """Taylor coefficients of the polynomial of a cell at a point: orders by each axis -> partial derivative/orders!.
+
+    The last axis is contracted first: what it gives for an order serves all orders of the axes before it.
+
+    coefficients: of the powers of the last axis first.
+    distances: of the point from the corner of the cell, by axis.
+    most: the largest sum of orders.
+    """
     if not distances:
-        return coefficients[0]
-    rows = [coefficients[k : k + ORDER] for k in range(0, len(coefficients), ORDER)]
-    order, x = orders[-1], distances[-1]
-    inner = []
-    for row in rows:
-        derived = [prod(range(k - order + 1, k + 1)) * own for k, own in enumerate(row)][order:]
-        found = derived[-1]
-        for own in reversed(derived[:-1]):
-            found = found * x + own
-        inner.append(found)
-    return _horner(inner, distances[:-1], orders[:-1])
+        return {(): coefficients[0]}
+    rows = [_taylor(coefficients[k : k + ORDER], distances[-1], most) for k in range(0, len(coefficients), ORDER)]
+    return {
+        (*before, order): own
+        for order in range(most + 1)
+        for before, own in _contracted([row[order] for row in rows], distances[:-1], most - order).items()
+    }
+
+
+def _taylor(c: list[Any], x: Any, most: int) -> list[Any]:
+    """Value, slope and half the second derivative of a cubic, by Horner's rule applied to its own steps."""
+    found = []
+    for _ in range(most + 1):
+        steps = [c[-1]]
+        for own in reversed(c[:-1]):
+            steps.append(own + steps[-1] * x)
+        found.append(steps.pop())
+        c = steps[::-1]
+    return found
+
+
+MANY = 500
+"""Indices of a family from which on it pays to look for points that are asked for twice."""
+
+
+class Repeats:
+    """Which lookups of a table are at the points of others, one index later.
+
+    The end of a segment is the start of the next, so of three lookups in each segment one need not be made. What is
+    equal at one call may not be so at the next: pairs are compared at each call, and those that differ are left from
+    then on.
+    """
+
+    def __init__(self, count: int, arguments: int) -> None:
+        """Of so many lookups in a table of so many arguments; of one, a lookup costs no more than to compare."""
+        numbers = range(count if arguments > 1 else 0)
+        self.pairs = [(late, early) for late in numbers for early in numbers if late != early]
+
+    def of(self, points: np.ndarray) -> dict[int, int]:
+        """The number of a lookup -> that of another, which is at its points one index before.
+
+        points: (S, k, n), of k lookups in a table of n arguments.
+        """
+        if len(points) < MANY:
+            return {}
+        found: dict[int, int] = {}
+        kept = []
+        for late, early in self.pairs:
+            apart = (points[0, late] != points[1, early]).any()
+            if apart or not np.array_equal(points[:-1, late], points[1:, early]):
+                continue
+            kept.append((late, early))
+            if early not in found and late not in found and late not in found.values():
+                found[late] = early
+        self.pairs = kept
+        return found
 
 
 class Filled:
@@ -170,14 +242,32 @@ class Filled:
             for group in groups:
                 n, width = len(group[0].arguments), sum(len(own.symbols) for own in group)
                 asked, columns = slice(at, at + n * len(group)), slice(start, start + width)
-                places.append((asked, n, columns, Cells(group[0].table, backend)))
+                places.append((asked, n, columns, Cells(group[0].table, backend), Repeats(len(group), n)))
                 at, start = asked.stop, columns.stop
             self.steps.append((code, places))
 
     def fill(self, arguments: np.ndarray) -> None:
         """Look everything up, for arguments (S, K) whose variables and data are there."""
+        size = len(arguments)
         for code, places in self.steps:
-            points = code(arguments).reshape(len(arguments), -1)
-            for asked, n, columns, cells in places:
-                values = cells(points[:, asked].reshape(-1, n))
-                arguments[:, columns] = values.reshape(len(arguments), -1)
+            points = code(arguments).reshape(size, -1)
+            for asked, n, columns, cells, repeats in places:
+                wanted = points[:, asked].reshape(size, -1, n)
+                values = arguments[:, columns].reshape(size, wanted.shape[1], -1)  # a view
+                again = repeats.of(wanted)
+                for own in _runs(k for k in range(wanted.shape[1]) if k not in again):
+                    values[:, own] = cells(wanted[:, own].reshape(-1, n)).reshape(values[:, own].shape)
+                for late, early in again.items():
+                    values[:-1, late] = values[1:, early]
+                    values[-1:, late] = cells(wanted[-1:, late])
+
+
+def _runs(numbers: Iterable[int]) -> list[slice]:
+    """Increasing numbers as slices, which NumPy need not copy."""
+    found: list[slice] = []
+    for k in numbers:
+        if found and found[-1].stop == k:
+            found[-1] = slice(found[-1].start, k + 1)
+        else:
+            found.append(slice(k, k + 1))
+    return found
