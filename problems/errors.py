@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from .lean.records import dataclass
+from .text import escaped
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Mistake:
     remedy: str
 
     def __str__(self) -> str:
-        return f"{self.where}: {self.what}; {self.remedy}"
+        return escaped(f"{self.where}: {self.what}; {self.remedy}")
 
 
 class TrajoptError(Exception):

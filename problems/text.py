@@ -32,6 +32,11 @@ def unprintable(character: str) -> bool:
     return category(character) in ("Cc", "Cs")
 
 
+def escaped(text: str) -> str:
+    """The text with the escape of every control character, but for breaks of lines and tabs: none steers a terminal."""
+    return "".join(c.encode("unicode_escape").decode() if category(c) == "Cc" and c not in "\n\t" else c for c in text)
+
+
 def named(character: str) -> str:
     """A character by its code and its name: U+00A0, no-break space."""
     return f"U+{ord(character):04X}" + (f", {called.lower()}" if (called := title(character, "")) else "")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
@@ -57,7 +57,10 @@ class Measure:
     @property
     def scale(self) -> float:
         """The number of units of the base (SI, rad) that it is."""
-        return float(self.quantity.to_root_units().magnitude)
+        try:
+            return float(self.quantity.to_root_units().magnitude)
+        except OverflowError:  # of a large power of a unit
+            return float("inf")
 
     @property
     def pure(self) -> bool:
@@ -67,7 +70,10 @@ class Measure:
     def __str__(self) -> str:
         if self.text and self.text not in PLAIN:
             return self.text
-        return min(_shown(self.quantity), _shown(self.quantity.to_base_units()), key=len)
+        shown = [_shown(self.quantity)]
+        with suppress(OverflowError):  # of a large power of a unit
+            shown.append(_shown(self.quantity.to_base_units()))
+        return min(shown, key=len)
 
     @property
     def told(self) -> str:

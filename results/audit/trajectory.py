@@ -19,6 +19,8 @@ RELAXED = 1.1
 """Times what a product may be, which the engine holds to its tolerance."""
 
 RTOL, ATOL = 1e-10, 1e-12
+MOST_EVALUATIONS = 30_000
+"""Of the dynamics in one segment; a segment of a good mesh takes some hundreds, a singularity any number."""
 
 CLAIMED, UNSTABLE = 10.0, 1e3
 """CLAIMED: what a simulated segment may deviate by, in eta as the result claims it, times the growth of errors in it.
@@ -173,19 +175,20 @@ def _step(
     """The state after two times, from x, shape (n_x,), under inputs(t), shape (n_u,); None if the integration fails."""
     from scipy.integrate import solve_ivp
 
-    phase, p = trajectory.phase, trajectory.parameters
+    phase, p, evaluations = trajectory.phase, trajectory.parameters, [0]
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
         time, state, u = np.array([t]), x[:, None], past.filled(t, inputs(t))[:, None]
+        evaluations[0] += 1
         f: np.ndarray = phase.dynamics(time, state, consistent_inputs(phase, time, state, u, p), p)[:, 0]
-        if not np.isfinite(f).all():
+        if not np.isfinite(f).all() or evaluations[0] > MOST_EVALUATIONS:
             raise _NoDynamicsError
         return f
 
     for span in pairwise(past.steps(*times)):
         try:
             step = solve_ivp(rate, span, x, method="DOP853", rtol=RTOL, atol=ATOL, dense_output=past.remembers)
-        except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever
+        except _NoDynamicsError:  # SciPy would make its steps ever smaller, for ever; so it does near a singularity
             return None
         x = step.y[:, -1]
         if not (step.success and np.isfinite(x).all()):

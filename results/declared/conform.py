@@ -175,7 +175,7 @@ def _check_texts(array: h5py.Dataset, declared: Array, scope: Scope, where: str)
 
 def _check_values(array: h5py.Dataset, declared: Array, where: str) -> None:
     values = array[()]
-    if declared.limits and not (values >= declared.limits[0]).all() & (values <= declared.limits[1]).all():
+    if declared.limits and ((values < declared.limits[0]) | (values > declared.limits[1])).any():
         raise LayoutError(where, f"its values are not between {declared.limits[0]} and {declared.limits[1]}")
     if (declared.ordered or declared.finite) and not np.isfinite(values).all():
         raise LayoutError(where, "not all of its values are finite")

@@ -65,7 +65,7 @@ class Array:
     unless: the member that may stand in its place.
     ordered: "" for any values; "times": finite, and none before another; "edges": from 0 to 1, each beyond the one
     before. finite: whether all are finite numbers. names: the symbol whose names its texts are. limits: the least and
-    the largest value.
+    the largest value; NaN is neither.
     """
 
     kind: str
@@ -76,7 +76,7 @@ class Array:
     ordered: str = ""
     finite: bool = False
     names: str = ""
-    limits: tuple[int, int] | None = None
+    limits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

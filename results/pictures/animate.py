@@ -80,6 +80,9 @@ class Scene:
 def scene(result: Result) -> Scene:
     """Raises SpecError if the problem has no drawing, or the result no finite values to draw."""
     drawings = drawings_of(result.stated()[0])
+    if {phase.name for phase in result.phases} - drawings.keys():
+        what = "its phases are not those of the problem that it holds"
+        raise SpecError(Mistake(str(result.path), what, "solve the problem again"))
     _, parameters = result.build()
 
     def at(times: np.ndarray) -> list[Pose]:

@@ -30,6 +30,8 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
         for trajectory in trajectories(transcription, failed[0]):
             for owner, function, at_ends in _functions(trajectory.phase):
                 values = _end_values(trajectory) if at_ends else _point_values(trajectory)
+                if not at_ends and not len(values["t"]):
+                    continue  # no point has finite values
                 if found := explain(function, values, trajectory.phase):
                     what, i, there = found
                     time = "" if at_ends else f" at t = {values['t'][i]:.6g}"

@@ -16,6 +16,9 @@ from ..program.contract import NonlinearProgram
 from ..solution.violation import constraint_named, of_phase
 from .elastic import Soft
 
+NEGLIGIBLE = 1e-100
+"""A bound that is smaller says nothing of the size of what it bounds, and its inverse is no number to count with."""
+
 
 def soft_constraints(problem: Problem, transcription: Transcription, nlp: NonlinearProgram) -> Iterator[Soft]:
     """All that may be relaxed.
@@ -85,4 +88,5 @@ def _size(of_values: Range, bounds: Range) -> float:
     if isfinite(width) and width > 0:
         return width
     sizes = [abs(end) for end in (bounds.lower, bounds.upper) if isfinite(end)]
-    return max(sizes, default=0.0) or 1.0
+    largest = max(sizes, default=0.0)
+    return largest if largest > NEGLIGIBLE else 1.0
