@@ -19,7 +19,7 @@ from ..expressions.tokens import ExpressionError
 from ..text import brief, did_you_mean
 from ..yaml.document import MAX_NODES, Path, in_words
 from ..yaml.locations import Finding
-from .templates import WORD, OfTemplates, Repeat
+from .templates import OfTemplates, Repeat
 
 FOR = "for"
 MOST = 10_000
@@ -76,7 +76,7 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     new = expander.mapping(data, (), (), {})
     texts = " ".join(_texts(data))
     counted = expander.numbers.keys() & {*_NAME.findall(texts)}
-    told = OfTemplates(expander.repeats)
+    told = OfTemplates(expander.repeats, expander.filled)
     return Expanded(new, {**lines, **expander.lines}, expander.findings, frozenset(counted), told)
 
 
@@ -117,7 +117,7 @@ class _Expander:
 
     def value(self, node: Any, old: Path, new: Path, values: Values) -> Any:
         if values:
-            self.repeats[new] = self._repeat(node, old, values)
+            self.repeats[new] = Repeat(old, values, node if isinstance(node, str) else "")
         if isinstance(node, str):
             return self._or_told(old, "0" if _SUM.search(node) else node, lambda: self._text(node, values))
         if isinstance(node, list):
@@ -162,15 +162,12 @@ class _Expander:
         self._told_at(here, place)
         entries[name] = self.value(_without_for(value), place, here, at)
 
-    def _repeat(self, node: Any, old: Path, values: Values) -> Repeat:
-        """What is known of a value that a template makes; of its words only those that have braces in them."""
-        text = node if isinstance(node, str) else ""
-        words = {*WORD.findall(" ".join([text, *(key for key in old if isinstance(key, str))]))}
+    def filled(self, text: str, values: Values) -> str:
+        """A text as it was made; of a mistaken one, of which is told, nothing."""
         try:
-            made = {_filled(word, values, self.numbers): word for word in words}
-            return Repeat(old, tuple(values.items()), made, _filled(text, values, self.numbers), text)
-        except Mistaken:  # which is told where it is written out
-            return Repeat(old, tuple(values.items()), {}, "", "")
+            return _filled(text, values, self.numbers)
+        except Mistaken:
+            return ""
 
     def _told_at(self, new: Path, old: Path) -> None:
         self.made += 1

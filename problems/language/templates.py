@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import field
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -20,44 +19,44 @@ _PLAIN = re.compile(r"(?<!\w)[A-Za-z_]\w*")
 
 
 class Repeat(NamedTuple):
-    """A value that a template made.
-
-    old: the path of the template. values: of the variables of its loops. words: name that was made -> as the template
-    has it. made, written: the text, if it is one.
-    """
+    """A value that a template made: the path of the template, the variables of its loops, the text, if it is one."""
 
     old: Path
-    values: tuple[tuple[str, int | str], ...]
-    words: Mapping[str, str]
-    made: str
+    values: Mapping[str, int | str]
     written: str
 
 
 @dataclass(frozen=True)
 class OfTemplates:
-    """Puts findings in the words of templates; repeats: path of what was made -> what is known of it."""
+    """Puts findings in the words of templates.
 
-    repeats: Mapping[Path, Repeat] = field(default_factory=dict)
+    repeats: path of what was made -> what it was made of. filled: a text with the values of variables in its braces.
+    """
+
+    repeats: Mapping[Path, Repeat]
+    filled: Callable[[str, Mapping[str, int | str]], str]
 
     def __call__(self, findings: list[Finding]) -> list[Finding]:
         """The findings, with one in place of those that are of all repetitions alike."""
-        told: dict[Finding, list[Finding]] = {}
+        told: dict[tuple[Path, str], list[Finding]] = {}
         for own in findings:
-            told.setdefault(self._of_all(own), []).append(own)
+            told.setdefault(self._of_all(own)[:2], []).append(own)  # whatever the remedy: one name may be like another
         new: list[Finding] = []
-        for whole, some in told.items():
-            count = self._counts[whole.path] or max(
-                (self._counts[whole.path[:n]] for n in range(len(whole.path))), default=0
-            )
-            new += [whole] if len({own.path for own in some}) == count > 1 else some
+        for (path, _), some in told.items():
+            of_all = len({own.path for own in some}) == self._count(path) > 1
+            new += [self._of_all(some[0])] if of_all else some
         return new
+
+    def _count(self, path: Path) -> int:
+        """How often what is at a path in a template, or around it, is repeated."""
+        return next((own for n in range(len(path), 0, -1) if (own := self._counts[path[:n]])), 0)
 
     def _of_all(self, own: Finding) -> Finding:
         """What would be said of the template."""
         for n in range(len(own.path), 0, -1):
             if (repeat := self.repeats.get(own.path[:n])) is not None:
                 rest = own.path[n:]
-                what, remedy = (_in_words(said, repeat) for said in (own.what, own.remedy))
+                what, remedy = (self._in_words(said, repeat) for said in (own.what, own.remedy))
                 return Finding((*repeat.old, *rest), what, remedy)
         return own
 
@@ -66,7 +65,8 @@ class OfTemplates:
         """How often each template is repeated."""
         return Counter(own.old for own in self.repeats.values())
 
-
-def _in_words(said: str, repeat: Repeat) -> str:
-    said = with_quotes(said, repeat.made, repeat.written)
-    return _PLAIN.sub(lambda found: repeat.words.get(found[0], found[0]), said)
+    def _in_words(self, said: str, repeat: Repeat) -> str:
+        words = WORD.findall(" ".join([repeat.written, *(key for key in repeat.old if isinstance(key, str))]))
+        made = {self.filled(word, repeat.values): word for word in words}
+        said = with_quotes(said, self.filled(repeat.written, repeat.values), repeat.written)
+        return _PLAIN.sub(lambda found: made.get(found[0], found[0]), said)
