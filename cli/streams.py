@@ -46,6 +46,18 @@ def piped_text(files: Sequence[str]) -> str | None:
     return decode(content, STDIN)
 
 
+def refuse_standard_output(output: object, what: str, remedy: str) -> None:
+    """Raise SpecError where -o names standard output, and what is written is a file.
+
+    output: what -o names.
+    what: that is written, as "a picture is a file".
+    remedy: how to have something on standard output all the same; "" where nothing is there to be had.
+    """
+    if str(output) == PIPED:
+        also = f", and {remedy}" if remedy else ""
+        raise SpecError(Mistake("-o -", f"{what}, which standard output cannot hold", f"name a file{also}"))
+
+
 def flush() -> None:
     """Write what is still in the buffers; a reader that has gone misses nothing it wanted."""
     for stream in (sys.stdout, sys.stderr):

@@ -22,6 +22,7 @@ from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import shared_names, through_phases
+from .phases.implied import without_implied
 from .phases.invariant import without_invariants
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
@@ -148,7 +149,7 @@ class _Builder:
             measured=tuple(measured(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
-        return without_invariants(within_tables(phase))
+        return without_implied(without_invariants(within_tables(phase)))
 
     @property
     def time_parameters(self) -> dict[str, TimeParameter]:

@@ -69,6 +69,9 @@ def find_problem(name: str) -> Path:
     if re.match(r"[A-Za-z_][\w.*\[\]-]*=", name):
         what = "this is no file, but an override, and each of them has an option of its own"
         raise SpecError(Mistake(name, what, f"write --set {name}"))
+    if re.fullmatch(r"-?[\d.]+(e-?\d+)?", name):
+        what = "this is no file, but looks like the value of an override, which has = before it"
+        raise SpecError(Mistake(name, what, f"write --set PATH={name}, as --set parameters.u_max=15"))
     if path.parent != Path():
         raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
     remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always="trajopt list shows those that are shipped")

@@ -78,7 +78,8 @@ class Phase:
     measured: what is compared with data; both times of such a phase are fixed, or it is all at one that is.
     time_parameters: name -> "initial" or "final", of static parameters that a boundary constraint makes that time.
     kept: names of path equalities that the dynamics keep, which are asked for once and not among `path`.
-    follows: names of states whose final values follow from others by these, and are held nearly.
+    follows: names of states whose final values follow from others by what the dynamics keep, and are held nearly.
+    implied: name -> the names of what it follows from, of constraints that are held nearly.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Phase:
     time_parameters: Mapping[str, str] = field(default_factory=dict)
     kept: tuple[str, ...] = ()
     follows: tuple[str, ...] = ()
+    implied: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""

@@ -4,6 +4,7 @@ import ast
 import re
 import tomllib
 from collections import defaultdict
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -70,24 +71,27 @@ def circle(graph: dict[str, set[str]]) -> list[str]:
     return []
 
 
-IMPORTS = {module_of(path): imported_modules(path) for path in FILES}
+@cache
+def imports() -> dict[str, set[str]]:
+    """What each module imports, read when the first test asks: every worker loads this file."""
+    return {module_of(path): imported_modules(path) for path in FILES}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_no_import_points_up(path):
     own = LAYERS.index(path.relative_to(ROOT).parts[0])
-    above = {module for module in imported_modules(path) if LAYERS.index(module.split(".")[0]) > own}
+    above = {module for module in imports()[module_of(path)] if LAYERS.index(module.split(".")[0]) > own}
     assert not above
 
 
 def test_no_circle_between_files():
-    assert not circle(IMPORTS)
+    assert not circle(imports())
 
 
 def test_no_circle_between_rooms():
     """A door is a room of its own: it opens onto the rooms behind it, and they may stand on other doors."""
     graph = defaultdict(set)
-    for module, imported in IMPORTS.items():
+    for module, imported in imports().items():
         graph[room_of(module)] |= {room_of(other) for other in imported} - {room_of(module)}
     assert not circle(graph)
 

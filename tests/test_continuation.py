@@ -64,6 +64,26 @@ def test_a_way_that_ends_nowhere_is_told():
     assert not through.solved and through.continuation[0].status.usable
     last = through.continuation[-1]
     assert not last.status.usable and last.values["controls.u.upper"] > 1
+    told = f"of a problem of continuation:, controls.u.upper = {last.values['controls.u.upper']:g}, controls.u.lower = "
+    assert told in through.notes[-1] and "that of the file was not reached" in through.notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("schedule", "first"),
+    [
+        ("{parameters.g: [9, 5]}", "parameters.g = 9"),
+        ("{parameters.far: [200], parameters.g: [0]}", "parameters.far = 200, parameters.g = 0"),
+    ],
+)
+def test_a_first_problem_that_is_not_solved_is_not_taken_for_that_of_the_file(schedule, first):
+    through = solved(f"continuation={schedule}", "solver.max_iter=2")
+    assert not through.solved and len(through.continuation) == 1
+    assert f"all this is of the first problem of continuation:, {first}, which is not solved" in through.notes[-1]
+
+
+def test_nothing_is_told_of_a_way_that_reaches_the_file():
+    through = solved("continuation={parameters.g: [5]}")
+    assert through.solved and not any("continuation" in note for note in through.notes)
 
 
 @pytest.mark.parametrize(

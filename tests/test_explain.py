@@ -113,7 +113,7 @@ def test_the_command(tmp_path, monkeypatch):
 def test_the_command_on_a_result(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "short.yaml").write_text(SHORT)
-    trajopt("solve", "short.yaml", "-q")
+    trajopt("solve", "short.yaml", "-q", "--set", "solver.max_iter=2")  # so that solve itself does not ask why
     assert "the final time" in trajopt("explain", "short.h5").stdout
     refused = trajopt("explain", "short.h5", "--set", "time.final.upper=10")
     assert refused.exit_code == 2 and "give the problem file with --set" in refused.stderr

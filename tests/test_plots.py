@@ -101,16 +101,20 @@ def test_bounds_near_the_curve_are_lines_and_others_words(solved):
     assert "bound" not in labels(plots.trajectory_figure(result).axes[0])
 
 
-@pytest.mark.parametrize(("bound", "amount", "broken"), [(1.0, 2e-7, 0), (1.0, 1e-3, 1), (1e4, 0.9, 0), (1e4, 2.0, 1)])
-def test_a_bound_is_violated_by_what_refinement_counts(solved, bound, amount, broken):
+@pytest.mark.parametrize("where", ["points", "dense"])
+@pytest.mark.parametrize(("bound", "amount", "broken"), [(1.0, 1e-6, 0), (1.0, 1e-3, 1), (1e4, 9e-3, 0), (1e4, 2.0, 1)])
+def test_a_bound_is_violated_at_points_or_where_a_check_fails(solved, bound, amount, broken, where):
     result = read(solved("cartpole"))
     (phase,) = result.phases
-    dense = np.linspace(0.9 * bound, bound + amount, len(phase.dense_time))
-    curve = replace(phase.curves["control"]["u"], dense=dense, points=dense[:1].repeat(len(phase.time)))
+    inside = {"points": np.full(len(phase.time), 0.9 * bound), "dense": np.full(len(phase.dense_time), 0.9 * bound)}
+    inside[where][-1] = bound + amount
+    curve = replace(phase.curves["control"]["u"], **inside)
     pushed = replace(result, phases=(replace(phase, curves={"control": {"u": curve}}),))
-    (ax,) = plots.trajectory_figure(pushed, {"main": {"u": Range(-bound, bound)}}).axes
-    assert labels(ax).count("violated bound") == broken
-    assert labels(ax).count("bound") == 1 - broken
+    alone = broken * (where == "points")
+    for failing, expected in (({}, alone), ({"main": {"u"}}, broken), ({"main": {"q1"}}, alone)):
+        (ax,) = plots.trajectory_figure(pushed, {"main": {"u": Range(-bound, bound)}}, broken=failing).axes
+        assert labels(ax).count("violated bound") == expected
+        assert labels(ax).count("bound") == 1 - expected
 
 
 def test_path_constraint_on_one_name_is_a_bound(solved):

@@ -62,7 +62,7 @@ def validator():
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_json_schema_accepts_the_shipped_problems(path, validator):
-    validator.validate(yaml.safe_load(path.read_text()))
+    validator.validate(yaml.load(path.read_text(), yaml.CSafeLoader))
 
 
 def test_json_schema_refuses_what_the_loader_refuses(validator):
@@ -174,7 +174,9 @@ def test_functions_and_ranges():
         "x_final_x_initial",
         "power",
     ]
-    assert phase.boundary[0].bounds == Range(1, 1) and phase.integral[0].bounds == Range(-inf, 100)
+    assert phase.boundary[0].bounds == Range(1 - 2e-6, 1 + 2e-6)  # both ends of x are given
+    assert phase.implied == {"x_final_x_initial": ("x[final]", "x[initial]")}
+    assert phase.integral[0].bounds == Range(-inf, 100)
     assert phase.integral[0].function({"u": 3.0, "v": 2.0}, np) == 6.0
     assert problem.parameters[0].bounds == Range(0.1, 0.5)
 

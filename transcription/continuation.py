@@ -161,7 +161,21 @@ class _Way:
             step, failed = step / 2, True
             if step < SMALLEST or (self.stop and self.stop()):
                 solution = following
-        return replace(solution, continuation=tuple(self.steps))
+        told = () if self._at_the_end else (self._ended(),)
+        return replace(solution, continuation=tuple(self.steps), notes=(*solution.notes, *told))
+
+    @property
+    def _at_the_end(self) -> bool:
+        """Whether the last problem that was solved, or tried, is that of the file."""
+        return all(self.steps[-1].values[path] == own[-1] for path, own in self.values.items())
+
+    def _ended(self) -> str:
+        """What is told where the way ends before the problem of the file."""
+        values = ", ".join(f"{path} = {value:g}" for path, value in self.steps[-1].values.items())
+        which = "the first problem" if len(self.steps) == 1 else "a problem"
+        return (
+            f"all this is of {which} of continuation:, {values}, which is not solved; that of the file was not reached"
+        )
 
     def _solved(self, at: float, before: Solution | None) -> Solution:
         """The solution at a place of the schedule, 0 for its first values, from the one before."""

@@ -14,6 +14,8 @@ from ...transcription.loading import load_all, located
 from ..errors import command
 from ..options import Force, Method, Segments, Set, overrides
 
+TABLES = (".csv", ".parquet")
+
 
 @command
 def export(
@@ -41,6 +43,9 @@ def export(
     if output.suffix in (".yaml", ".yml"):
         _write_problem(file, output, force, [*(set_ or ()), *filter(None, (method, segments))])
         return
+    if Path(file).suffix == ".h5" and output.suffix in TABLES:
+        what = "the curves of a result are written by another command"
+        raise SpecError(Mistake(str(output), what, f"write trajopt table {file} -o {output}"))
     (spec,) = load_all([file], overrides(set_, method, segments))
 
     from ...problems.build import build

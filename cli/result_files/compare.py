@@ -52,14 +52,18 @@ def compare(results: Results, *, json_: Json = False) -> None:
 
 
 def _sorted(rows: Sequence[dict[str, Any]], differing: Sequence[str]) -> list[dict[str, Any]]:
-    """The rows in the order of what differs, numbers by their size; those of one problem as they were given.
+    """The rows in the order of what differs, numbers by their size; segments last, of one method.
+
+    Those of one problem by several methods stay as they were given.
 
     Each gets `values`: path of what differs -> its value here.
     """
     for row in rows:
         first = {path: pair[0] for own in rows for path, pair in own["other_problem"].items()}
         row["values"] = {path: row["other_problem"].get(path, (None, first.get(path)))[1] for path in differing}
-    return sorted(rows, key=lambda row: [_order(row["values"][path]) for path in differing])
+    one_method = len({row["method"] for row in rows}) == 1
+    found = [([_order(row["values"][path]) for path in differing], row["segments"] * one_method) for row in rows]
+    return [row for _, row in sorted(zip(found, rows, strict=True), key=lambda pair: pair[0])]
 
 
 def _order(value: object) -> tuple[int, float, str]:

@@ -110,7 +110,8 @@ def _draw_together(
     if xy:
         figure = plane_figure(found, *pair)
     else:
-        figure = overlay_figure(found, [] if no_bounds else list(map(_bounds, found)), _split(only))
+        bounds = [] if no_bounds else list(map(_bounds, found))
+        figure = overlay_figure(found, bounds, _split(only), list(map(_broken, found, bounds)))
     save([figure], path, found[0].problem)
     print(path)
 
@@ -140,7 +141,8 @@ def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) ->
 
         return plane_figure(result)
     if kind == "trajectory":
-        return trajectory_figure(result, {} if no_bounds else _bounds(result), names)
+        bounds = {} if no_bounds else _bounds(result)
+        return trajectory_figure(result, bounds, names, _broken(result, bounds))
     return error_figure(result, names) if kind == "error" else mesh_figure(result)
 
 
@@ -153,3 +155,10 @@ def _bounds(result: Result) -> dict:
     except FileError as error:
         print(f"warning: {one_line(str(error))}; drawn without bounds", file=sys.stderr)
         return {}
+
+
+def _broken(result: Result, bounds: dict) -> dict:
+    """What a check says does not hold; nothing where there are no bounds."""
+    from ...results.audit.broken import broken_bounds
+
+    return broken_bounds(result, bounds) if bounds else {}

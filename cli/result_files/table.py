@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from math import inf
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Annotated
 import typer
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.files import check_writable
+from ...problems.files import check_writable, make_folder
 from ..errors import command
 from ..options import Force, Results
 from ..output.printing import one_line
@@ -62,6 +63,8 @@ def table(
         what = f"there are {len(results)} results for one table"
         raise SpecError(Mistake("-o", what, "name the table, as -o all.csv"))
     path = Path(output or f"{results[0].stem}.csv")
+    if output is not None and output.endswith(os.sep):
+        make_folder(path)
     if path.is_dir():
         path /= f"{results[0].stem}.csv"
     check_format(path)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import make_folder
+from ..streams import refuse_standard_output
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -15,8 +16,10 @@ PICTURES = (".png", ".pdf", ".svg")
 def targets_of(results: Sequence[Path], output: str | None, endings: Sequence[str]) -> list[list[Path]]:
     """For each result the files to write: one for each ending, or one for all that -o names.
 
-    Raises SpecError if two pictures would go to one file that cannot hold them, FileError if a folder is missing.
+    Raises SpecError for standard output, and if two pictures would go to one file that cannot hold them; FileError if
+    a folder is missing.
     """
+    refuse_standard_output(output, "this command writes files", "")
     if output is not None and output.endswith(os.sep):
         make_folder(Path(output))
     if output is None or Path(output).is_dir():

@@ -22,7 +22,7 @@ from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
 from ..options import Files, Force, Json, Method, Quiet, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..signals import Stop
-from ..streams import native_output, piped_text
+from ..streams import native_output, piped_text, refuse_standard_output
 
 if TYPE_CHECKING:
     from ...problems.problem import Guess, Problem
@@ -142,9 +142,7 @@ def _targets(specs: list[Spec], output: str | None) -> list[Path]:
         "stdin.h5" if spec.file == STDIN or spec.file.startswith(PIPES) else Path(spec.file).stem + ".h5"
         for spec in specs
     ]
-    if output == "-":
-        what = "a result is an HDF5 file, which standard output cannot hold"
-        raise SpecError(Mistake("-o -", what, "name a file, and print numbers with --json or trajopt table FILE -o -"))
+    refuse_standard_output(output, "a result is an HDF5 file", "print numbers with --json or trajopt table FILE -o -")
     if output is not None and output.endswith(os.sep):
         make_folder(Path(output))
     if output is not None and not Path(output).is_dir():

@@ -20,7 +20,7 @@ from ..options import Json, Method, Quiet, Segments, Set, overrides
 from ..output.printing import one_line, print_json
 from ..output.sweeping import Tally, print_sweep, watched
 from ..signals import Stop
-from ..streams import piped_text
+from ..streams import piped_text, refuse_standard_output
 from .cases import Asked, planned, processes_of
 from .cases import shard as shard_of
 from .workers import prepare
@@ -98,6 +98,7 @@ def sweep(
     """
     from ...results.sweep.store import Store, about
 
+    refuse_standard_output(output, "a sweep is a folder", "print its table with --json")
     given = overrides(set_, method, segments)
     (spec,) = load_all([file], given, piped_text([file]))
     plan, chained = planned(Asked(over, zip_, list_, sample, seed, chain), spec, given)

@@ -7,7 +7,6 @@ parenthesis) gets a message of its own, which Python's "invalid syntax" could no
 from __future__ import annotations
 
 import keyword
-import re
 from collections.abc import Collection
 from itertools import pairwise
 
@@ -15,7 +14,7 @@ from ..text import did_you_mean, named, nearest, shorten
 from .delays import is_earlier
 from .functions import FUNCTIONS, may_hold_commas, smooth_names
 from .lacking import ALIASES, LACKING, at_another_time, end_meant
-from .tokens import ExpressionError, Token, closing, fail, tokens_of
+from .tokens import DEGREES, ExpressionError, Token, check_number, closing, fail, head_of, tokens_of
 
 ENDS = ("initial", "final")
 DURATION = "duration"  # t[duration]: t[final] - t[initial]
@@ -39,6 +38,7 @@ _COMPARISON = (
     "give the bounds as lower:, upper: or equals: beside it, or write a smooth switch as step(x - a, eps)",
 )
 _STRAY = ("this character has no meaning in an expression", "use names, numbers, + - * / ** and parentheses")
+_QUOTE = ("this quotation mark is a typographic one, which YAML takes for a letter", 'write a plain "')
 _OTHER = {
     "^": ("^ is not the power operator", "write ** for a power, as in x**2"),
     "=": _COMPARISON,
@@ -56,6 +56,12 @@ _OTHER = {
     "·": ("· is not an operator", "write *"),
     "−": ("this minus sign is a typographic one", "write a plain -"),
     "–": ("this minus sign is a typographic one", "write a plain -"),
+    "“": _QUOTE,
+    "”": _QUOTE,
+    "„": _QUOTE,
+    "‘": _QUOTE,
+    "’": _QUOTE,
+    "'": ("an apostrophe has no meaning in an expression", "write digits without marks, and a text in plain quotes"),
     "√": ("√ is not a function", "write sqrt( )"),
     "°": ("angles are in radians", "write 30*pi/180 for 30 degrees"),
 }
@@ -248,24 +254,14 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
         argument = token.text if token.category != "number" or after.category != "name" else token.text + after.text
         fail(text, before, token, f"{before.text} needs parentheses", f"write {before.text}({argument})")
     if before.category == "number" and token.category == "name":
-        _check_number(text, before, token)
+        check_number(text, before, token)
+    if token.text in DEGREES:
+        fail(text, before, token, "angles are in radians", f"write {head_of(before)}*pi/180")
     tail = "(...)" if token.text == "(" else token.text
     if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"
-    head = before.text if before.text not in (")", "]") else "..." + before.text
-    fail(text, before, token, "an operator is missing between them", f"write {head}*{tail} for a product")
-
-
-def _check_number(text: str, number: Token, name: Token) -> None:
-    """A number that goes on in letters, as other languages write it, or that has a unit."""
-    if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
-        plain = (number.text + name.text).replace("_", "")
-        fail(text, number, name, "there is no _ in a number", f"write {plain}")
-    if number.stop == name.start and (exponent := re.match(r"[dD]([-+]?\d+)", text[name.start :])):
-        last = Token("number", "", name.start, name.start + exponent.end())
-        fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
-    if name.text in ("deg", "degs", "degree", "degrees"):
-        fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
+    product = f"write {head_of(before)}*{tail} for a product"
+    fail(text, before, token, "an operator is missing between them", product)
 
 
 def _check_call(text: str, name: Token, bracket: Token) -> None:

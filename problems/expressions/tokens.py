@@ -13,6 +13,50 @@ _TOKEN = re.compile(
     re.ASCII,
 )
 
+DEGREES = frozenset(["deg", "degs", "degree", "degrees"])
+_UNITS = frozenset(
+    [
+        "kg",
+        "g",
+        "mg",
+        "lb",
+        "t",
+        "s",
+        "ms",
+        "min",
+        "h",
+        "hr",
+        "day",
+        "m",
+        "km",
+        "cm",
+        "mm",
+        "ft",
+        "in",
+        "N",
+        "kN",
+        "mN",
+        "Nm",
+        "J",
+        "kJ",
+        "W",
+        "kW",
+        "MW",
+        "Pa",
+        "kPa",
+        "MPa",
+        "bar",
+        "V",
+        "A",
+        "C",
+        "K",
+        "Hz",
+        "rad",
+        "rpm",
+    ]
+)
+"""Units that people write after a number. A number beside any other name lacks its operator."""
+
 
 class ExpressionError(ValueError):
     """A string is not an expression. what: the mistake and where it stands in the string. remedy: how to mend it."""
@@ -62,3 +106,30 @@ def fail(text: str, first: Token, last: Token, what: str, remedy: str) -> NoRetu
     remedy: how to mend it.
     """
     raise ExpressionError(f"{excerpt(text, first.start, last.stop)}: {what}", remedy)
+
+
+def check_number(text: str, number: Token, name: Token) -> None:
+    """Raise ExpressionError for a number that goes on in letters, as other languages write it, or that has a unit.
+
+    text: the expression.
+    number: a number in it.
+    name: the name that follows it without an operator.
+    """
+    if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
+        written = re.match(r"[_\d.]+(?:[eE][-+]?\d+)?", text[number.start :])
+        assert written is not None  # it starts with the number
+        last = Token("number", "", number.start, number.start + written.end())
+        fail(text, number, last, "there is no _ in a number", f"write {written[0].replace('_', '')}")
+    if number.stop == name.start and (exponent := re.match(r"[dD]([-+]?\d+)", text[name.start :])):
+        last = Token("number", "", name.start, name.start + exponent.end())
+        fail(text, number, last, "the exponent of a number is written with e", f"write {number.text}e{exponent[1]}")
+    if name.text in DEGREES:
+        fail(text, number, name, "angles are in radians", f"write {number.text}*pi/180")
+    if name.text in _UNITS and name.start > number.stop:
+        remedy = f"write {number.text}, or name it under parameters: as a: {{value: {number.text}, unit: {name.text}}}"
+        fail(text, number, name, "units do not stand in expressions", remedy)
+
+
+def head_of(operand: Token) -> str:
+    """The end of an operand, as a message shows it."""
+    return operand.text if operand.text not in (")", "]") else "..." + operand.text

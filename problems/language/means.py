@@ -17,6 +17,7 @@ from ..expressions.expression import Expression
 from ..names.variables import reference, states
 from ..schema.declarations import IntegralState
 from ..schema.measurements import MeanEntry, MeasuredEntry
+from ..schema.phases import PhaseEntry
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from .integrals import ZERO
@@ -46,7 +47,7 @@ def means_as_states(spec: Spec) -> Spec:
     return spec.model_copy(update={"states": {**spec.states, **added}, "measurements": entries})
 
 
-def place_of_mean(spec: Spec, path: Path) -> Path:
+def place_of_mean(spec: Spec | PhaseEntry, path: Path) -> Path:
     """Where in the file something is told of that concerns the state of a mean.
 
     spec: that has the measurements, as it was written.

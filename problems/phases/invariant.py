@@ -46,7 +46,7 @@ def without_invariants(phase: Phase) -> Phase:
             outputs[own.name] = Output(own.function)
             follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
-    states = tuple(replace(own, final=_almost(own.final)) if own.name in follows else own for own in phase.states)
+    states = tuple(replace(own, final=almost(own.final)) if own.name in follows else own for own in phase.states)
     return replace(
         phase,
         states=states,
@@ -59,12 +59,14 @@ def without_invariants(phase: Phase) -> Phase:
 
 
 def kept(problem: Problem) -> Iterator[str]:
-    """What is said of each such constraint."""
+    """What is said of each such constraint, and of what follows from others."""
     for phase in problem.phases:
         for name in phase.kept:
             yield f"path constraint '{name}' is kept by the dynamics, so it is asked for at the initial time only"
         for name in phase.follows:
             yield f"the final value of {name} follows from the other final values, so it is held to {ALMOST:g} only"
+        for name, others in phase.implied.items():
+            yield f"constraint '{name}' follows from {' and '.join(others)}, so it is held to {ALMOST:g} only"
 
 
 def _asked_once(phase: Phase, own: Constraint) -> list[Constraint] | None:
@@ -95,8 +97,11 @@ def _following(phase: Phase, own: Constraint, chosen: Sequence[str]) -> list[str
     return [left[int(np.argmax(slopes))]] if slopes.max() > 0 else []
 
 
-def _almost(final: Range) -> Range:
-    """The range around a final value that follows from others."""
+def almost(final: Range) -> Range:
+    """The range around a value that follows from others.
+
+    final: what it would be.
+    """
     near = ALMOST * (1 + abs(final.lower))
     return Range(final.lower - near, final.upper + near)
 

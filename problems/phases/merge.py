@@ -16,6 +16,7 @@ from ..expressions.expression import Expression
 from ..expressions.signature import signature
 from ..expressions.tree import Chain, Link, Number
 from ..language.integrals import where_written
+from ..language.means import place_of_mean
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.drawing import ShapeEntry
@@ -81,10 +82,10 @@ def home(spec: Spec, phase: str, path: Path) -> Path:
     path: of the value in `phases_as_written(spec)[phase]`.
     """
     own = own_entries(spec).get(phase)
-    path = where_written(spec, path)
+    path = place_of_mean(spec, where_written(spec, path))
     if own is None or not path or not (spec.phases or spec.waypoints):
         return path
-    path = where_written(own, path)
+    path = place_of_mean(own, where_written(own, path))
     if path[:2] == ("time", "initial") and own.time.initial is None and (before := forward(spec).get(phase)):
         return home(spec, before, ("time", "final", *path[2:]))
     if (found := _constraint(spec, phase, path) or _waypoint(spec, phase, path)) is not None:

@@ -19,19 +19,18 @@ from ..names.troubles import INTEGRAL
 from ..schema.phases import NONE, LinkEntry, PhaseEntry
 from ..schema.spec import Spec
 from .merge import phases_as_written
-from .order import own_entries, passages
+from .order import own_entries
 from .split import Part, arc, bounds_of_time, data_of, filled, integral_states, named_paths, plain, split_alone
 
 _BOUNDS = ("lower", "upper", "equals")
 _OF_ALL = ("waypoints", "phases", "links")
-
+_OF_ENDS = ("time", "guess", "mesh", "constraints", "note", "objective")
 
 METHOD = {"method": "radau", "segments": 2, "degree": 8}
 """The first mesh of an arc, on which the solution is smooth."""
 
 MOST_MESHES = 6
 """After the first one: an arc that is smooth needs fewer."""
-
 
 DURATION = "[duration]"
 """After a time: which stands for the difference of two."""
@@ -99,46 +98,36 @@ class _Split:
 
     def _phases(self, name: str, entry: PhaseEntry) -> dict[str, Any]:
         """The phases that one becomes."""
-        merged, parts, found = self.merged[name], self.parts[name], {}
-        own = data_of(entry)
-        left_out = ("time", "guess", "mesh", "constraints", "note")
-        kept = {key: value for key, value in own.items() if key not in left_out}
-        integral = own.get("objective", {}).get(self.spec.objective.sense, {}).get("integral")
-        kept.pop("objective", None)
-        if integral is not None:
-            kept["objective"] = {self.spec.objective.sense: {"integral": integral}}
-        integrals = integral_states(merged, name)
-        paths, last = named_paths(merged), len(parts) - 1
-        within = bounds_of_time(merged)
+        merged, parts, own = self.merged[name], self.parts[name], data_of(entry)
+        kept = {key: value for key, value in own.items() if key not in _OF_ENDS}
+        sense = self.spec.objective.sense
+        if (integral := own.get("objective", {}).get(sense, {}).get("integral")) is not None:
+            kept["objective"] = {sense: {"integral": integral}}
+        kept["states"] = kept.get("states", {}) | {
+            state: {"rate": rate, "initial": 0, "final": bounds}
+            for state, (rate, bounds) in integral_states(merged, name).items()
+        }
+        paths, last, found = named_paths(merged), len(parts) - 1, {}
         for k, (part, named) in enumerate(zip(parts, self.names[name], strict=True)):
-            phase = arc(merged, part, paths)
-            states = deepcopy(kept.get("states", {}))
-            for value in states.values():
-                _leave_out(value, k > 0, k < last)
-            for state, value in phase.get("states", {}).items():
-                states[state] = states.get(state, {}) | value
-            for state, (rate, bounds) in integrals.items():
-                states[state] = {"rate": rate, "initial": 0, "final": bounds}
-                _leave_out(states[state], k > 0, k < last)
-            controls = deepcopy(kept.get("controls", {}))
-            for u, value in phase.get("controls", {}).items():
-                controls[u] = controls.get(u, {}) | value
-            time = {} if k else {key: value for key, value in own.get("time", {}).items() if key == "initial"}
+            phase = deepcopy(kept)
+            for state in phase["states"].values():
+                _leave_out(state, k > 0, k < last)
+            of_arc = arc(merged, part, paths)
+            for group in ("states", "controls"):
+                given = phase.setdefault(group, {})
+                given |= {key: given.get(key, {}) | value for key, value in of_arc.get(group, {}).items()}
+            time = {end: value for end, value in own.get("time", {}).items() if end == "final" or k == 0}
             if k < last:
-                time["final"] = within | {"guess": part.end}
-            elif "final" in own.get("time", {}):
-                time["final"] = own["time"]["final"]
-            own_of_arc = {"time": time, "states": states, "controls": controls, "constraints": phase.get("constraints")}
-            found[named] = filled({**kept, **own_of_arc})
+                time["final"] = bounds_of_time(merged) | {"guess": part.end}
+            found[named] = filled({**phase, "time": time, "constraints": of_arc.get("constraints")})
         return found
 
     def _links(self) -> list[Any]:
         """The links, and what goes on within a phase where nothing goes on by itself."""
         apart = any(link.apart for link in self.spec.links)
         found: list[Any] = [self._link(link) for link in self.spec.links]
-        said = {own.target for own in passages(self.spec) if own.number is not None}
         for names in self.names.values():
-            found += [{"from": a, "to": b} for a, b in pairwise(names) if apart or b in said]
+            found += [{"from": a, "to": b} for a, b in pairwise(names) if apart]
         return found
 
     def _link(self, link: LinkEntry) -> Any:

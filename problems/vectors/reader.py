@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
+from ..expressions.lacking import LACKING
 from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
 from ..expressions.tokens import ExpressionError
 from ..language.loops import Mistaken
@@ -132,7 +133,9 @@ class _Reader:
                 self.concerned.add(id(node))
 
     def whole(self) -> Value | None:
-        """The value of the text; None if it is a scalar without vectors in it."""
+        """The value of the text; None if it is a scalar without vectors in it, or calls what the language lacks."""
+        if self.tree is not None and any(self._is_lacking(node) for node in ast.walk(self.tree)):
+            return None
         if self.tree is None:
             return Scalar(self.plain(self.text), SUM) if self.mentions_vectors() else None
         if id(self.tree) not in self.concerned:
@@ -159,6 +162,11 @@ class _Reader:
         value, index = self.named(found[1]), int(found[2])
         own = value[index - 1] if isinstance(value, list) and 1 <= index <= len(value) else None
         return own.text if isinstance(own, Scalar) else found[0]
+
+    def _is_lacking(self, node: ast.AST) -> bool:
+        """Whether a node calls interp(...) and the like, of which the reader of plain expressions tells."""
+        name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+        return name in LACKING and name not in FUNCTIONS and name not in self.scope.called
 
     def _is_special(self, node: ast.AST) -> bool:
         match node:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from ..text import nearest
 from ..yaml.document import Path
 from .lines import entry, flow
+from .renamed import RENAMED
 
 
 class Wish(NamedTuple):
@@ -19,64 +21,8 @@ class Wish(NamedTuple):
     line: str
 
 
-_BOUNDS = {
-    "lower": "min minimum lb lower_bound lbound low least",
-    "upper": "max maximum ub upper_bound ubound high most",
-}
-_RENAMED = {
-    "file": {
-        "parameters": "params param constants constant consts const",
-        "expressions": "definitions aliases intermediate intermediates auxiliary",
-        "states": "state state_variables",
-        "controls": "inputs input control control_variables actuators",
-        "optimize": "static static_parameters design_parameters free_parameters unknowns decision",
-        "objective": "cost costs cost_function objective_function goal criterion loss",
-        "constraints": "subject_to events boundary_conditions path_constraints boundary_constraints conditions",
-        "guess": "guesses initial_guess initialization init warm_start",
-        "solver": "options ipopt solver_options nlp nlp_options",
-        "links": "linkages linkage linkage_constraints",
-        "phases": "phase stages",
-        "scaling": "scale scales scaling_factors",
-        "continuation": "homotopy",
-    },
-    "time": {
-        "initial": "t0 t_0 start begin from initial_time t_initial",
-        "final": "tf t_f T end stop to final_time t_final duration length horizon",
-    },
-    "state": {
-        "rate": "dxdt dot derivative deriv der ode equation eq dynamics xdot dx rhs expression expr f",
-        "accel": "ddot acceleration second_derivative xddot",
-        "initial": "start x0 begin from ic initial_value",
-        "final": "end xf to goal target final_value stop",
-        **_BOUNDS,
-    },
-    "control": _BOUNDS,
-    "static": {**_BOUNDS, "guess": "initial init start value x0"},
-    "end": {**_BOUNDS, "value": "equals equal fixed"},
-    "objective": {"minimize": "minimise min", "maximize": "maximise max"},
-    "terms": {
-        "integral": "lagrange running running_cost stage stage_cost integrand path integrated",
-        "terminal": "mayer final end endpoint terminal_cost end_cost final_cost boundary",
-    },
-    "constraints": {
-        "path": "inequality inequalities equality equalities nonlinear trajectory",
-        "boundary": "terminal final initial event events endpoint boundary_conditions ends",
-        "integral": "isoperimetric integrals",
-    },
-    "constraint": {**_BOUNDS, "expression": "expr function formula", "equals": "equal eq value"},
-    "mesh": {
-        "segments": "nodes intervals N n points steps elements num_segments n_segments num_intervals",
-        "degree": "order colpoints collocation_points points_per_segment polynomial_degree",
-        "method": "scheme transcription",
-        "tolerance": "tol",
-    },
-    "refine": {"tolerance": "tol error eps", "max_meshes": "max_iter iterations max_iterations meshes"},
-    "guess": {},
-}
-"""Kind of mapping -> a key of it -> words that mean the same elsewhere."""
-
+_TIMES = ("time", "the time", "t", "tf", "t_f", "final time", "duration")
 _INCLUDED = "its lines here; a part that is used twice once, as x: &shared {unit: m}, and then as y: *shared"
-_OUTPUT = "expressions: {power: {value: u*v, unit: W}}, which is stored and drawn, for it has a unit"
 _TABLE = "tables: {rho: {points: {h: [0, 1e4, 2e4]}, values: [1.2, 0.4, 0.09]}}, and rho(h) in an expression"
 _FREE_TIME = "final: {lower: 0.1, upper: 10, guess: 1}"
 
@@ -90,13 +36,26 @@ def _name(path: Path) -> str:
 
 
 def _guess(value: Any, path: Path) -> str:
-    many = isinstance(value, list)
-    return f"guess: {{{'keyframes' if many else 'constants'}: {{{entry(_name(path), value)}}}}} at the left margin"
+    return f"guess: {{{_kind_of_guess(value)}: {{{entry(_name(path), value)}}}}} at the left margin"
 
 
 def _guess_of_name(value: Any, path: Path) -> str:
-    kind = "keyframes" if isinstance(value, list) else "formulas" if isinstance(value, str) else "constants"
-    return f"{kind}: {{{entry(str(path[-1]), value)}}}"
+    return f"{_kind_of_guess(value)}: {{{entry(str(path[-1]), value)}}}"
+
+
+def _kind_of_guess(value: Any) -> str:
+    """Of rows of points, expressions of t, and numbers."""
+    return "keyframes" if isinstance(value, list) else "formulas" if isinstance(value, str) else "constants"
+
+
+def _output(value: Any, _: Path) -> str:
+    """The first of the outputs that are given, by its name if it has one."""
+    named = value if isinstance(value, dict) else {"power": value[0]} if isinstance(value, list) and value else {}
+    name, output = next(iter(named.items()), ("power", "u*v"))
+    if isinstance(output, dict):
+        output = output.get("value", output.get("expression", "u*v"))
+    told = entry("value", output)
+    return f"expressions: {{{name}: {{{told}, unit: W}}}}, which is stored and drawn, for it has a unit"
 
 
 def _dynamics(value: Any, path: Path) -> str:
@@ -115,10 +74,29 @@ def terms(value: Any) -> str:
     """The terms of an objective for what is given in their place."""
     if isinstance(value, dict):
         return flow(value)
-    text = str(value).strip()
-    if text in ("time", "t", "T", "tf", "t_f"):
-        text = "t[final]"
+    text = at_the_ends(str(value))
     return "{" + entry("terminal" if "[" in text else "integral", text) + "}"
+
+
+def at_the_ends(text: str) -> str:
+    """An expression of the ends of time, with tf, x(tf) and "minimize time" as they are written here."""
+    text = re.sub(r"^(minimi[sz]e|maximi[sz]e|min|max)\s+(?=\w)", "", text.strip())
+    if text.lower() in _TIMES:
+        return "t[final]"
+    text = re.sub(r"\b(\w+)\((?:tf|t_f|T|t_final)\)", r"\1[final]", text)
+    text = re.sub(r"\b(\w+)\((?:t0|t_0|t_initial)\)", r"\1[initial]", text)
+    return re.sub(r"\b(?:tf|t_f|t_final)\b", "t[final]", text)
+
+
+def _ends(value: Any) -> Any:
+    return at_the_ends(value) if isinstance(value, str) else value
+
+
+def _bolza(value: Any, _: Path) -> str:
+    """Both terms, from a mapping of their names elsewhere."""
+    own = {str(key).lower(): part for key, part in value.items()} if isinstance(value, dict) else {}
+    running, end = own.get("lagrange", "u**2"), _ends(own.get("mayer", "x[final]"))
+    return f"minimize: {{{entry('integral', running)}, {entry('terminal', end)}}}"
 
 
 def _control_end(value: Any, path: Path) -> str:
@@ -132,7 +110,7 @@ def _periodic(value: Any, path: Path) -> str:
 
 
 _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
-    ("file", "outputs output observables derived"): ("what is looked at is a named expression", _OUTPUT),
+    ("file", "outputs output observables derived"): ("what is looked at is a named expression", _output),
     ("file", "include includes import imports extends inherit inherits base"): ("a file stands by itself", _INCLUDED),
     ("file", "interp interpolation interpolant interpolants lookup lookup_tables spline splines lut"): (
         "data stand in tables",
@@ -149,7 +127,7 @@ _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
     ),
     ("file", "mayer terminal_cost"): (
         "the terminal term of the objective",
-        lambda value, _: f"objective: {{minimize: {{{entry('terminal', value)}}}}}",
+        lambda value, _: f"objective: {{minimize: {{{entry('terminal', _ends(value))}}}}}",
     ),
     ("file", "tf t_f T t_final final_time duration horizon"): (
         "times stand in one section",
@@ -207,9 +185,10 @@ _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
         "its terms stand under minimize: or maximize:",
         lambda value, _: f"minimize: {{{entry('integral', value)}}}",
     ),
+    ("objective", "bolza"): ("its terms stand under minimize: or maximize:", _bolza),
     ("objective", "mayer terminal final end terminal_cost"): (
         "its terms stand under minimize: or maximize:",
-        lambda value, _: f"minimize: {{{entry('terminal', value)}}}",
+        lambda value, _: f"minimize: {{{entry('terminal', _ends(value))}}}",
     ),
 }
 """(kind of mapping, words) -> what they are here, and the line that does it."""
@@ -218,7 +197,7 @@ _RANGES = frozenset(("bounds", "bound", "range", "limits", "interval"))
 
 _WORDS = {
     (kind, word): key
-    for kind, keys in _RENAMED.items()
+    for kind, keys in RENAMED.items()
     for key, words in keys.items()
     for word in words.split()
 }  # fmt: skip
@@ -237,11 +216,11 @@ def key_wish(path: Path, value: Any) -> Wish | None:
         told = line if isinstance(line, str) else line(value, path)
         section = told.partition(":")[0]
         return Wish(section if kind == "file" and section.isidentifier() else "", what, told)
-    if word in _RANGES and "lower" in _RENAMED.get(kind, ()):
+    if word in _RANGES and "lower" in RENAMED.get(kind, ()):
         ends = value if isinstance(value, list) and len(value) == 2 else [0, 1]
         return Wish("", "", f"{entry('lower', ends[0])}, {entry('upper', ends[1])}")
     if key := _WORDS.get((kind, word)):
-        line = entry(key, value)
+        line = entry(key, _ends(value) if key == "terminal" else value)
         return Wish(key, "", f"{key}: in place of {word}:" if line == f"{key}:" or kind == "file" else line)
     if kind == "guess" and isinstance(value, int | float | list | str) and not isinstance(value, bool):
         return Wish("", "the guess of one variable is of a kind", _guess_of_name(value, path))
@@ -276,6 +255,7 @@ _KINDS: tuple[tuple[tuple[object, ...], str], ...] = (
     (("time", "initial"), "end"),
     (("time", "final"), "end"),
     (("mesh", int), "mesh"),
+    (("tables", str), "table"),
     *(((section,), section) for section in ("time", "objective", "constraints", "refine", "guess")),
 )
 """Where a mapping stands, with a type for any key of it, and its kind."""

@@ -41,6 +41,8 @@ def name_wish(name: str, path: Path, varying: Collection[str], states: Collectio
     if name in _ENDLESS.split():
         ended = path[-1] in ("lower", "upper", "initial", "final", "value")
         return no_value(path) if ended and path[0] != "parameters" else "write a large number, such as 1e6"
+    if path[0] == "time" and name in _REMEDIES:
+        return no_value(path)
     return (
         _REMEDIES.get(name)
         or _of_an_attribute(name, varying)

@@ -56,7 +56,7 @@ def value_wish(path: Path, given: Any) -> Words | None:
         return None
     if len(path) > 2 and path[0] == "phases":
         path = path[2:]
-    found = _end(path, given) or _section(path, given) or _constraint(path, given)
+    found = _end(path, given) or _section(path, given) or _entry(path, given) or _constraint(path, given)
     return found or (_text(path, given) if isinstance(given, str) else None)
 
 
@@ -75,6 +75,8 @@ def _end(path: Path, given: Any) -> Words | None:
 def no_value(path: Path) -> str:
     """The remedy where nothing should be given: the key is left out."""
     key = str(path[-1]) if path[-1] != "value" else str(path[-2])
+    if path[0] == "time" and path[-2:-1] in (("initial",), ("final",)) and key in ("lower", "upper"):
+        return f"a free time has a range and a guess: write {key}: {'0.1' if key == 'lower' else '10, guess: 1'}"
     if path[0] == "time":
         return f"a free time has a range and a guess: write {key}: {{lower: 0.1, upper: 10, guess: 1}}"
     return f"leave {key}: out" + (" for no bound" if key in ("lower", "upper") else ", for what is not given is free")
@@ -111,6 +113,32 @@ def _section(path: Path, given: Any) -> Words | None:
     return wish
 
 
+def _entry(path: Path, given: Any) -> Words | None:
+    """An entry of a section that has another form."""
+    match path:
+        case ("states", name) if isinstance(given, str) and (state := _of_rate(str(name))):
+            return f"the rate of {state} stands beside it", f"write {state}: {{{entry('rate', given)}}}"
+        case ("tables", name) if isinstance(given, list) and _pairs(given):
+            points, values = zip(*given, strict=True)
+            line = f"{name}: {{points: {{x: {flow(list(points))}}}, {entry('values', list(values))}}}"
+            return "a table has points and values", f"write {line}, with the name of its argument for x"
+        case ("continuation", name) if isinstance(given, int | float) and not isinstance(given, bool):
+            return "the values on the way are a list", f"write {name}: [{given}]"
+    return None
+
+
+def _of_rate(name: str) -> str | None:
+    """x, where a name is that of its rate: x_dot, xdot, dx, dxdt, x'."""
+    rate = re.fullmatch(r"(\w+?)_?dot|d([A-Za-z]\w*?)(?:_?dt)?|d(\w+)/dt|(\w+)'", name)
+    return next(filter(None, rate.groups()), None) if rate else None
+
+
+def _pairs(items: list[Any]) -> bool:
+    """Whether a list is one of pairs of numbers."""
+    pairs = [item for item in items if isinstance(item, list) and len(item) == 2]
+    return len(items) > 1 and len(pairs) == len(items)
+
+
 def result_as_guess(file: str) -> Words | None:
     """What is said of a result file that is named as a guess; None for other names."""
     if not _RESULT.fullmatch(file):
@@ -144,6 +172,8 @@ def _text(path: Path, given: str) -> Words | None:
         return None
     if re.fullmatch(r"\d{1,3}(,\d+)", text):
         return "a number has a point, not a comma", f"write {key}: {text.replace(',', '.')}"
+    if re.fullmatch(r"[-+]?\d{1,3}('\d{3})+(\.\d*)?", text):
+        return "there are no marks in a number", f"write {key}: {text.replace(chr(39), '')}"
     quantity = _QUANTITY.fullmatch(text)
     return _with_unit(path, quantity[1], quantity[2].strip(), " " in text) if quantity else None
 

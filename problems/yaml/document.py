@@ -18,7 +18,7 @@ import yaml
 from ..errors import Mistake, SpecError
 from ..lean.records import dataclass
 from ..text import brief, named
-from .punctuation import slips_of, strange, torn
+from .punctuation import no_key, slips_of, strange, torn
 
 MAX_BYTES = 1_000_000
 MAX_LEVELS = 20
@@ -63,7 +63,7 @@ _REMEDIES = (
 class Document:
     """data: the file as dicts, lists, strings, numbers, bools and None. lines: path of a key or an item -> its line.
 
-    blocks: path of a text that goes on below its key -> its lines, each with its number.
+    blocks: path of a text that goes on below its key -> the lines of the text, each with its number.
     """
 
     data: dict[str, Any]
@@ -95,13 +95,13 @@ def read_document(text: str, file: str) -> Document:
     if not isinstance(data, dict):
         what = f"the file holds {in_words(data)}, not a mapping"
         raise SpecError(Mistake(f"{file}:1", what, "write keys such as name: and states: at its left margin"))
-    written = text.splitlines()
-    blocks = {path: [(n + 1, written[n]) for n in lines if n < len(written)] for path, lines in composer.blocks.items()}
+    written = dict(enumerate(text.splitlines()))
+    blocks = {path: [(n + 1, written.get(n, "")) for n in lines] for path, lines in composer.blocks.items()}
     return Document(data, composer.lines, blocks)
 
 
 def _compose(text: str, file: str) -> tuple[Any, _Composer]:
-    composer = _Composer(_told(yaml.parse(text, Loader=_LOADER)), file)
+    composer = _Composer(_told(yaml.parse(text, Loader=_LOADER)), file, text)
     try:
         data = composer.document()
     except yaml.YAMLError as error:
@@ -185,8 +185,8 @@ def _line(event: yaml.Event) -> int:
 class _Composer:
     """Builds the data while the events come in; `mistakes` holds those that do not stop it."""
 
-    def __init__(self, events: Iterator[yaml.Event], file: str):
-        self.events, self.file = events, file
+    def __init__(self, events: Iterator[yaml.Event], file: str, text: str):
+        self.events, self.file, self.text = events, file, text
         self.lines: dict[Path, int] = {}
         self.blocks: dict[Path, range] = {}
         self.mistakes: list[Mistake] = []
@@ -213,7 +213,8 @@ class _Composer:
         if isinstance(event, yaml.ScalarEvent):
             value = scalar(event.value) if event.implicit[0] else event.value
             if isinstance(value, str) and event.end_mark and event.end_mark.line >= self.lines.get(path, self.line):
-                self.blocks[path] = range(_line(event) - 1, event.end_mark.line + 1)
+                end = event.end_mark  # | and > have no text on their first line
+                self.blocks[path] = range(self.line - (event.style not in ("|", ">")), end.line + (end.column > 0))
         elif isinstance(event, yaml.SequenceStartEvent):
             value = self.sequence(path)
         else:
@@ -234,7 +235,7 @@ class _Composer:
         found: list[tuple[str, int, Any]] = []
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             if not isinstance(event, yaml.ScalarEvent):
-                self.stop(event, "a key must be a word", "put the key in quotes, or write key: value")
+                self.stop(event, *no_key(found[-1][0] if found else "", self.text, _line(event)))
             self.check_event(event, path)
             here = (*path, event.value)
             line = _line(event)

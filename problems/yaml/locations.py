@@ -28,7 +28,7 @@ class Finding(NamedTuple):
 class Locations:
     """Where each path was given: lines in the file, or an override (path -> its text on the command line).
 
-    blocks: path of a text that goes on below its key -> its lines, each with its number.
+    blocks: path of a text that goes on below its key -> the lines of the text, each with its number.
     short: path of what was written out from a short form -> the path at which that stands.
     made: path of a component of a vector, before short forms were written out -> that of the vector.
     in_words: puts findings at such paths in the words of the file.
@@ -113,6 +113,8 @@ class Locations:
             for part in parts:
                 if part in given:
                     return given[part]
+                if part == path and given is self.overrides and (*part, "value") in given:
+                    return given[*part, "value"]  # the value of a long form, of which the path is told without value:
         return 1
 
     def _line(self, path: Path) -> tuple[float, int]:
@@ -129,7 +131,8 @@ class Locations:
         if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
             # the long form of a value that the file gives in short
             path = path[:-1]
-        line = _line_in(self.blocks[path], what) if path in self.blocks else origin
+        of_key = what.startswith("unknown key")
+        line = _line_in(self.blocks[path], what, origin) if path in self.blocks and not of_key else origin
         return f"{self.file}:{line}: {dotted(path)}" if path else f"{self.file}:{line}"
 
 
@@ -139,10 +142,10 @@ def _of(origins: Mapping[Path, Path], path: Path) -> Path:
     return (*origins[path[:given]], *path[given:]) if given else path
 
 
-def _line_in(block: Sequence[tuple[int, str]], what: str) -> int:
+def _line_in(block: Sequence[tuple[int, str]], what: str, otherwise: int) -> int:
     """The line of a text that holds what a mistake quotes first; else the first of the text itself."""
     quoted = re.search(r'"([^"]+)"', what)
     piece = re.compile(rf"(?<!\w){re.escape(quoted[1])}(?!\w)" if quoted else r"$^")
     within = [number for number, line in block if piece.search(line)]
-    written = [number for number, line in block[1:] if line.strip()]
-    return (within or written or [block[0][0]])[0]
+    written = [number for number, line in block if line.strip()]
+    return (within or written or [otherwise])[0]

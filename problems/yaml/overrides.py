@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -17,6 +18,7 @@ _NAMED = frozenset(
     {"phases", "parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "tables"}
 )
 _SECTIONS = frozenset(["time", "objective", "constraints", "guess", "refine", "mesh", "solver", "reference"])
+_DECIMAL = re.compile(r"-?\d+(,\d+)?")
 _OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
 
 
@@ -40,6 +42,7 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
             where = f"--set {shown.strip()}"
             new = value_of(value, where)
             meant = shown.strip()
+            _check_section(document.data, meant, value, where)
             for path in [*_paths(document.data, meant, where), *_in_phases(document.data, meant, where)]:
                 place = _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
@@ -102,9 +105,6 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
     steps = shown.replace("[", ".").replace("]", "").split(".")
     if len(steps) > MAX_LEVELS or "" in steps:
         raise SpecError(Mistake(where, "this is not a path", "write keys with dots between them: mesh.0.segments"))
-    if section := _section_of(data, steps[0]):
-        inside = ".".join((section, *steps))
-        raise SpecError(Mistake(where, f"{steps[0]} is one of the {section}", f"write --set {inside}=..."))
     found: list[tuple[Path, Any]] = [((), data)]
     for step in steps:
         if not (data.get("model") and steps[0] in _OF_MODEL):
@@ -113,8 +113,26 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
     return (path for path, _ in found)
 
 
+def _check_section(data: dict[str, Any], shown: str, value: str, where: str) -> None:
+    """Refuse a path that leaves out the section of its name: m=2 for parameters.m=2.
+
+    What is a number to be found has no value of its own, and a control has bounds.
+    """
+    first, _, rest = shown.partition(".")
+    section = _section_of(data, first)
+    if section is None:
+        return
+    number = bool(_DECIMAL.fullmatch(value.strip())) and section == "parameters" and not rest
+    meant = value.strip().replace(",", ".") if number else value.strip()
+    what = f"{first} is one of the {section}"
+    if section in ("parameters", "expressions") or rest:
+        raise SpecError(Mistake(where, what, f"write --set {section}.{shown}={meant}"))
+    keys = "rate, initial or lower" if section == "states" else "value" if section == "tables" else "lower or upper"
+    raise SpecError(Mistake(where, what, f"write --set {section}.{shown}.KEY=..., where KEY is {keys}"))
+
+
 def _section_of(data: dict[str, Any], name: str) -> str | None:
-    """The section that declares a name which stands where a section should, or that has a name very like it."""
+    """The section that declares a name which stands where a section should."""
     sections = {key: own for key, own in data.items() if key in _NAMED and isinstance(own, dict)}
     if name in data or name in _SECTIONS:
         return None

@@ -52,6 +52,23 @@ def torn(key: str, value: Any, rest: Sequence[tuple[str, bool]]) -> tuple[Slip, 
     return _joined(key, value, parts) if isinstance(value, str) else None
 
 
+def no_key(before: str, text: str, line: int) -> tuple[str, str]:
+    """What is said of a list or a mapping in the place of a key: a comma may have ended the value before it.
+
+    before: the key before it.
+    text: of the file.
+    line: of what is no key, from 1.
+    """
+    lines = text.splitlines()
+    written = lines[line - 1] if line <= len(lines) else ""
+    if before and (found := re.search(rf"(?<!\w){re.escape(before)}:\s+([^\s\"'\[{{].*)", written)):
+        ends = (n for n, letter in enumerate(found[1]) if letter in ",}" and _depth(found[1][:n]) == 0)
+        value = found[1][: next(ends, None)].rstrip()
+        if "," in value and _depth(value) == 0:
+            return "a comma ends a value in braces", f'put it in quotes: {before}: "{shorten(value, 120)}"'
+    return "a key must be a word", "put the key in quotes, or write key: value"
+
+
 def _joined(key: str, value: str, parts: Sequence[str]) -> tuple[Slip, int] | None:
     """The value whose brackets close in one of the parts."""
     text = value

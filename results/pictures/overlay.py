@@ -14,7 +14,8 @@ from ...problems.drawings.drawing import obstacles_of
 from ...problems.errors import Mistake, SpecError
 from ..file.read import CURVE_KINDS, PhaseCurves, Result
 from .animate import paint
-from .plots import PANEL_HEIGHT, PANEL_WIDTH, Bounds, bound_lines, check_panels, label_of, set_times, unlabel
+from .axes import NONE_BROKEN, Bounds, Broken, bound_lines, frame
+from .plots import PANEL_HEIGHT, PANEL_WIDTH, check_panels, label_of, outputs_drawn, set_times, unlabel
 from .style import (
     BLACK,
     BLUE,
@@ -52,12 +53,18 @@ def _named(results: Sequence[Result]) -> list[str]:
     return [plain(n if names.count(n) == 1 else str(r.path), 40) for n, r in zip(names, results, strict=True)]
 
 
-def overlay_figure(results: Sequence[Result], bounds: Sequence[Bounds] = (), only: Sequence[str] = ()) -> Figure:
+def overlay_figure(
+    results: Sequence[Result],
+    bounds: Sequence[Bounds] = (),
+    only: Sequence[str] = (),
+    broken: Sequence[Broken] = (),
+) -> Figure:
     """Quantities of several results over time, one panel each, one colour a result.
 
     results: solved or not; the legend says which.
     bounds: of each of them; none to draw none. Where they differ, each has the colour of its result.
     only: the names to draw, with their costates; empty for all.
+    broken: of each result what `broken_bounds` of `audit.broken` gives; none where nothing is known.
 
     Raises SpecError for a name that no result has, and if there are too many panels.
     """
@@ -71,7 +78,7 @@ def overlay_figure(results: Sequence[Result], bounds: Sequence[Bounds] = (), onl
         lowest: dict[int, Axes] = {}
         for i, (kind, name) in enumerate(panels):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            apart |= _draw(ax, results, kind, name, bounds)
+            apart |= _draw(ax, results, kind, name, bounds, broken)
             unlabel(lowest.get(i % columns))
             lowest[i % columns] = ax
         _finish(
@@ -82,24 +89,33 @@ def overlay_figure(results: Sequence[Result], bounds: Sequence[Bounds] = (), onl
 
 def _panels(results: Sequence[Result], only: Sequence[str]) -> list[tuple[str, str]]:
     known = dict.fromkeys((kind, name) for kind in CURVE_KINDS for result in results for name in result.names(kind))
-    _check_names([name for _, name in known], only, results)
-    return [(kind, name) for kind, name in known if (name in only if only else kind != "output")]
+    _check_names("--only", [name for _, name in known], only, results)
+    outputs = {name for result in results for name in outputs_drawn(result)}
+    return [(kind, name) for kind, name in known if (name in only if only else kind != "output" or name in outputs)]
 
 
-def _check_names(known: Sequence[str], wanted: Sequence[str], results: Sequence[Result]) -> None:
+def _check_names(option: str, known: Sequence[str], wanted: Sequence[str], results: Sequence[Result]) -> None:
     if unknown := next((name for name in wanted if name not in known), None):
         what = f'there is no "{unknown}" in {results[0].path}'
-        raise SpecError(Mistake("--only", what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
+        raise SpecError(Mistake(option, what, "it has " + ", ".join(dict.fromkeys(known[:30]))))
 
 
-def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Sequence[Bounds]) -> bool:
+def _draw(
+    ax: Axes,
+    results: Sequence[Result],
+    kind: str,
+    name: str,
+    bounds: Sequence[Bounds],
+    broken: Sequence[Broken],
+) -> bool:
     """One panel; the value is whether the bounds of the results differ."""
     having = [[phase for phase in result.phases if name in phase.curves.get(kind, {})] for result in results]
     for number, (phases, label) in enumerate(zip(having, _named(results), strict=True)):
         for phase in phases:
             ax.plot(phase.dense_time, phase.curves[kind][name].dense, label=label, zorder=2, **_style(number))
     every: list[PhaseCurves] = [phase for phases in having for phase in phases]
-    apart = kind != "costate" and _draw_bounds(ax, having, kind, name, bounds)
+    apart = kind != "costate" and _draw_bounds(ax, having, kind, name, bounds, broken)
+    frame(ax, [phase.curves[kind][name] for phase in every])
     set_title(ax, labelled(*label_of(kind, name, every[0]), width_of(ax)))
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, every, shaded=False)
@@ -107,14 +123,20 @@ def _draw(ax: Axes, results: Sequence[Result], kind: str, name: str, bounds: Seq
 
 
 def _draw_bounds(
-    ax: Axes, having: Sequence[Sequence[PhaseCurves]], kind: str, name: str, bounds: Sequence[Bounds]
+    ax: Axes,
+    having: Sequence[Sequence[PhaseCurves]],
+    kind: str,
+    name: str,
+    bounds: Sequence[Bounds],
+    broken: Sequence[Broken],
 ) -> bool:
     """Those of the first result that has the quantity, in grey, if all have the same; else each result's own."""
     known = [(number, phases, bounds[number]) for number, phases in enumerate(having) if phases and bounds]
     given = [[own.get(phase.name, {}).get(name) for phase in phases] for _, phases, own in known]
     apart = any(own != given[0] for own in given)
     for number, phases, own in known if apart else known[:1]:
-        bound_lines(ax, phases, kind, name, own, _style(number)["color"] if apart else GREY)
+        fails = broken[number] if broken else NONE_BROKEN
+        bound_lines(ax, phases, kind, name, own, fails, _style(number)["color"] if apart else GREY)
     return apart
 
 
@@ -138,7 +160,8 @@ def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure
     Raises SpecError for a name that no result has.
     """
     kinds = [kind for kind in CURVE_KINDS if kind != "costate"]
-    _check_names([n for kind in kinds for result in results for n in result.names(kind)], (across, upwards), results)
+    known = [name for kind in kinds for result in results for name in result.names(kind)]
+    _check_names("--xy", known, (across, upwards), results)
     with look():
         figure, grid = Frame().figure([PLANE], 1, PLANE)
         ax = figure.add_subplot(grid[0, 0])

@@ -17,15 +17,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...problems.errors import Mistake, SpecError
-from ...problems.quantities import TOLERATED_EXCESS, Range
-from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result, bounds_beside, extent
+from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result
+from .axes import NO_BOUNDS, NONE_BROKEN, Bounds, Broken, bound_lines, frame
 from .style import (
     BLACK,
     GREY,
     KIND_COLOURS,
     LETTER,
     VERMILION,
-    VIOLATED,
     Frame,
     Numbers,
     head,
@@ -37,14 +36,8 @@ from .style import (
     width_of,
 )
 
-Bounds = Mapping[str, Mapping[str, Range]]  # phase -> name -> range, as `curves.bounds_of` gives them
-NO_BOUNDS: Bounds = {}
-
 MAX_PANELS = 160
 TOO_NEAR = 0.8  # typographic points between markers: nearer ones only hide the curve
-FLAT = 1e-3  # of the size of a curve: an axis spans at least that, so that noise does not look like a movement
-SPIKE, FEW = 0.25, 0.05  # a curve that leaves the range of its points by more than that part of it, for so few samples
-NOISE = 1e-9  # the same for a curve around zero, in its unit
 LEGEND = (*CURVE_KINDS, "measured", "knot", "point inside a segment", "segment edge", "bound", "violated bound")
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
@@ -52,7 +45,9 @@ SMALL_LETTER = 0.05  # inches, of the names of phases
 MAX_NAME_ROWS, NAME_ROW = 4, 0.08  # of the names of phases, and their distance, part of the height of a panel
 
 
-def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS) -> None:
+def draw_curve(
+    ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = NO_BOUNDS, broken: Broken = NONE_BROKEN
+) -> None:
     """Draw one quantity of all phases over time: dense curve, points of the mesh, bounds, marks of the mesh.
 
     ax: the axes to draw on; they get title, formats and the name of the time axis.
@@ -60,6 +55,7 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
     kind: "state", "control", "algebraic" or "costate".
     name: of the quantity; of a costate, that of its state.
     bounds: as `bounds_of` of `file.read` gives them; empty for a picture without them. A costate has none.
+    broken: as `broken_bounds` of `audit.broken` gives them.
     """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
     for phase in phases:
@@ -73,14 +69,8 @@ def draw_curve(ax: Axes, result: Result, kind: str, name: str, bounds: Bounds = 
         if kind != "costate":
             _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
-    low, high = extent([phase.curves[kind][name] for phase in phases])
-    far = [] if kind == "costate" else bound_lines(ax, phases, kind, name, bounds)
-    if high - low <= max(FLAT * max(abs(low), abs(high)), NOISE):
-        middle, half = (low + high) / 2, max(FLAT * max(abs(low), abs(high)) / 2, NOISE) if low or high else 1.0
-        ax.set_ylim(middle - half, middle + half)
-    elif spikes := _without_spikes([phase.curves[kind][name] for phase in phases]):
-        view = ax.get_ylim()
-        ax.set_ylim(max(view[0], spikes[0]), min(view[1], spikes[1]))
+    far = [] if kind == "costate" else bound_lines(ax, phases, kind, name, bounds, broken)
+    frame(ax, [phase.curves[kind][name] for phase in phases])
     width = width_of(ax)
     told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
     set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told)
@@ -129,41 +119,6 @@ def draw_mesh_marks(ax: Axes, knots: np.ndarray) -> None:
     ax.vlines(knots, 0, 0.035, transform=ax.get_xaxis_transform(), label="segment edge", **style)
 
 
-def _without_spikes(curves: Sequence[Curve]) -> tuple[float, float] | None:
-    """The range to draw where few samples of a polynomial shoot out beside a jump; None where nothing does."""
-    points, dense = (np.concatenate([getattr(curve, part) for curve in curves]) for part in ("points", "dense"))
-    if not (np.isfinite(points).all() and np.isfinite(dense).all()):
-        return None
-    beyond = SPIKE * (points.max() - points.min())
-    low, high = points.min() - beyond, points.max() + beyond
-    outside = ((dense < low) | (dense > high)).mean()
-    return (float(low), float(high)) if beyond and 0 < outside < FEW else None
-
-
-def bound_lines(
-    ax: Axes, phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds, color: str = GREY
-) -> list[str]:
-    """Dashed lines at the bounds near the curve; those so far off that they would flatten it are given in words.
-
-    ax: the axes to draw on.
-    phases: that have the quantity.
-    kind, name, bounds: as of `draw_curve`.
-    color: of bounds that are held.
-    """
-    far = []
-    for phase, value, upper, near in bounds_beside(phases, kind, name, bounds):
-        if not near:
-            far.append(f"{'↑' if upper else '↓'} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
-            continue
-        least, most = extent([phase.curves[kind][name]])
-        broken = (most - value if upper else value - least) > TOLERATED_EXCESS * (1 + abs(value))
-        style: dict[str, Any] = {"color": color, "label": "bound"}
-        if broken:
-            style = {"color": VIOLATED, "label": "violated bound"}
-        ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
-    return far
-
-
 def set_times(ax: Axes, phases: Sequence[PhaseCurves], *, shaded: bool = True) -> None:
     """The time axis, from the first beginning to the last end.
 
@@ -196,11 +151,13 @@ def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> No
             ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain(phase.name), transform=across, **style)
 
 
-def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = ()) -> Figure:
+def trajectory_figure(
+    result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence[str] = (), broken: Broken = NONE_BROKEN
+) -> Figure:
     """States, controls, algebraic variables and costates over time, each in its panel.
 
     result: solved or not; the title says which.
-    bounds: as of `draw_curve`.
+    bounds, broken: as of `draw_curve`.
     only: the names to draw, with their costates; empty for all.
 
     Raises SpecError for a name that is not there, and if there are too many panels for one picture.
@@ -216,7 +173,7 @@ def trajectory_figure(result: Result, bounds: Bounds = NO_BOUNDS, only: Sequence
         for kind, names in sections.items():
             for i, name in enumerate(names):
                 ax = figure.add_subplot(grid[row + i // columns, i % columns])
-                draw_curve(ax, result, kind, name, bounds)
+                draw_curve(ax, result, kind, name, bounds, broken)
                 unlabel(lowest.get(i % columns))
                 lowest[i % columns] = ax
             row += ceil(len(names) / columns)
@@ -243,12 +200,17 @@ def _sections(result: Result, only: Sequence[str]) -> dict[str, list[str]]:
         what = f'there is no "{unknown[0]}" in {result.path}'
         raise SpecError(Mistake("--only", what, "it has " + ", ".join(sorted(known)[:30])))
     chosen = {kind: [n for n in result.names(kind) if not only or n in only] for kind in CURVE_KINDS}
-    if not only:  # named expressions without a unit are parts of others more often than not
-        units = {n: phase.curves["output"][n].unit for phase in result.phases for n in phase.curves.get("output", {})}
-        measured = {own.expression for phase in result.phases for own in phase.measured}
-        chosen["output"] = [name for name in chosen["output"] if units[name] or name in measured]
+    if not only:
+        chosen["output"] = outputs_drawn(result)
     check_panels(result, sum(map(len, chosen.values())))
     return {kind: names for kind, names in chosen.items() if names}
+
+
+def outputs_drawn(result: Result) -> list[str]:
+    """Named expressions that are drawn without being asked for: without a unit most are parts of others."""
+    units = {n: phase.curves["output"][n].unit for phase in result.phases for n in phase.curves.get("output", {})}
+    measured = {own.expression for phase in result.phases for own in phase.measured}
+    return [name for name in result.names("output") if units[name] or name in measured]
 
 
 def check_panels(result: Result, count: int) -> None:

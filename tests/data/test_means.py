@@ -10,6 +10,7 @@ from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.measured import spans
+from trajopt.problems.units.check import check_units
 from trajopt.results.file.read import read
 from trajopt.results.file.write import write
 from trajopt.results.pictures.plots import trajectory_figure
@@ -129,3 +130,35 @@ def test_mistakes_are_told_at_the_column(old, new, says):
     with pytest.raises(SpecError) as error:
         load_text(CONTROL.replace("METHOD", "radau").replace(old, new), "x.yaml")
     assert [says in str(mistake) for mistake in error.value.mistakes] == [True], error.value
+
+
+IN_A_PHASE = """\
+trajopt: 1
+time: {initial: 0}
+states: {v: {unit: m/s, rate: F/m, initial: 0}}
+parameters: {m: {value: 2, unit: kg}}
+controls: {F: {unit: N}}
+phases:
+  a: {time: {final: 3}, measurements: {r: {data: {time: [1, 2], f: [1, -1]}, deviations: 0.2, compare: {f: COMPARED}}}}
+  b: {time: {final: 5}, states: {v: {final: 0}}}
+objective: {minimize: {integral: F**2}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("compared", "says"),
+    [
+        ("F + v", 'measurements.r.compare.f: "v" is in m/s, and cannot be added to "F"'),
+        ("2*G", 'measurements.r.compare.f: unknown name "G"'),
+    ],
+)
+def test_mistakes_in_a_phase_are_told_at_its_column(compared, says):
+    with pytest.raises(SpecError) as error:
+        load_text(IN_A_PHASE.replace("COMPARED", compared), "x.yaml", more=check_units)
+    assert [f"x.yaml:7: phases.a.{says}" in str(mistake) for mistake in error.value.mistakes] == [True], error.value
+
+
+def test_a_phase_may_measure_what_its_control_does():
+    """2 u is constant over two spans of duration 1: 25 (2 u - y)^2 + u^2 is least for u = 50 y/101."""
+    solution, _ = solution_of(IN_A_PHASE.replace("COMPARED", "2*F"))
+    assert solution.objective == pytest.approx(2 * 25 / 101, rel=1e-8)

@@ -103,6 +103,20 @@ def test_compare_is_one_table_in_the_order_of_what_differs(folder):
     assert [row.split()[1] for row in rows] == ["2", "9", "10"]
 
 
+def test_compare_is_in_the_order_of_segments_if_nothing_else_differs(folder):
+    (folder / "said.yaml").write_text(FILE)
+    files = [
+        solved_once(folder / f"s{n}.h5", "said.yaml", "--segments", str(n), "--set", "mesh.0.method=trapezoid")
+        for n in (12, 9, 4)
+    ]
+    rows = trajopt("compare", *files).stdout.splitlines()[1:]
+    assert [row.split()[2] for row in rows] == ["4", "9", "12"]
+    assert rows[-1].split()[6] == "0.00e+00"  # the difference is from the first that is named
+    other = solved_once(folder / "other.h5", "said.yaml", "--segments", "4")
+    rows = trajopt("compare", files[0], other).stdout.splitlines()[1:]
+    assert [row.split()[2] for row in rows] == ["12", "4"], "of two methods, as they were given"
+
+
 def test_progress_comes_now_and_then():
     now, told = [0.0], []
     often = EverySoOften(told.append, 10.0, lambda: now[0])
@@ -118,7 +132,19 @@ def test_progress_comes_now_and_then():
     ("arguments", "code", "words"),
     [
         (("check", "cartpole", "--set", "parameters.l=1", "b=2"), 2, "write --set b=2"),
-        (("check", "cartpole", "--set", "l=1"), 2, "write --set parameters.l=..."),
+        (("check", "cartpole", "--set", "l=1"), 2, "write --set parameters.l=1"),
+        (("check", "cartpole", "--set", "l=1,5"), 2, "write --set parameters.l=1.5"),
+        (("check", "cartpole", "--set", "u=5"), 2, "write --set controls.u.KEY=..., where KEY is lower or upper"),
+        (("check", "cartpole", "--set", "states.q1", "1.5"), 2, "write --set PATH=1.5"),
+        (("check", "cartpole", "--set", "parameters.u_max=abc"), 2, '--set parameters.u_max: unknown name "abc"'),
+        (("check", "cartpole", "--set", "parameters.u_max=u*2"), 2, "--set parameters.u_max: "),
+        (("check", "cartpole", "--set", "parameters.u_max.value=2*"), 2, "--set parameters.u_max.value: "),
+        (("export", "old.h5", "q.csv"), 2, "write trajopt table old.h5 -o q.csv"),
+        (("export", "old.h5", "q.parquet"), 2, "write trajopt table old.h5 -o q.parquet"),
+        (("sweep", "cartpole", "--over", "parameters.l=1,2", "-o", "-"), 2, "-o -: a sweep is a folder"),
+        (("plot", "old.h5", "-o", "-"), 2, "-o -: this command writes files"),
+        (("report", "old.h5", "-o", "-"), 2, "-o -: this command writes files"),
+        (("animate", "old.h5", "-o", "-"), 2, "-o -: this command writes files"),
         (("check", "cartpole", "--set", "parameters.u_max=1,5"), 2, "--set parameters.u_max: a number has a point"),
         (("export", "cartpole", "q.csv"), 2, "error: q.csv: '.csv' is no format"),
         (("solve", "cartpole", "-o", "-"), 2, "-o -: a result is an HDF5 file"),

@@ -133,3 +133,10 @@ def test_a_group_of_the_file_is_a_frame_of_one_row_a_time(swing):
                 frame = tree[f"phase/main/{where}{kind}"].to_dataset().to_dataframe()
                 assert len(frame) == (rows or len(tree[f"phase/main/{where}/time"]))
         assert tree["phase/main"]["knots"].shape == (26,)
+
+
+@pytest.mark.parametrize("where", ["tabs/", "of/it/"])
+def test_a_folder_is_made(swing, folder, where):
+    done = trajopt("table", swing, "-o", where)
+    assert (done.exit_code, done.stdout) == (0, f"{where}{swing.stem}.csv\n")
+    assert (folder / where / f"{swing.stem}.csv").exists()
