@@ -115,7 +115,7 @@ def check_number(text: str, number: Token, name: Token) -> None:
     number: a number in it.
     name: the name that follows it without an operator.
     """
-    if number.stop == name.start and re.fullmatch(r"[_\d]+", name.text):
+    if number.stop == name.start and re.fullmatch(r"[_\d]+(?:[eE]\d*)?", name.text):
         written = re.match(r"[_\d.]+(?:[eE][-+]?\d+)?", text[number.start :])
         assert written is not None  # it starts with the number
         last = Token("number", "", number.start, number.start + written.end())

@@ -211,6 +211,8 @@ def key_wish(path: Path, value: Any) -> Wish | None:
     value: that was given for it.
     """
     kind, word = _kind(path[:-1]), str(path[-1])
+    if assigned := re.fullmatch(r"(\w+)\s*=\s*(\S.*)", word):  # a = {b: c}, which YAML reads as the key "a = {b"
+        return Wish(assigned[1], "an entry has a colon, not =", f"{assigned[1]}: {assigned[2]}: {value}")
     if (kind, word) in _LINES:
         what, line = _LINES[kind, word]
         told = line if isinstance(line, str) else line(value, path)
@@ -221,6 +223,8 @@ def key_wish(path: Path, value: Any) -> Wish | None:
         return Wish("", "", f"{entry('lower', ends[0])}, {entry('upper', ends[1])}")
     if key := _WORDS.get((kind, word)):
         line = entry(key, _ends(value) if key == "terminal" else value)
+        if kind == "objective" and isinstance(value, str):
+            line = f"{key}: {terms(value)}"
         return Wish(key, "", f"{key}: in place of {word}:" if line == f"{key}:" or kind == "file" else line)
     if kind == "guess" and isinstance(value, int | float | list | str) and not isinstance(value, bool):
         return Wish("", "the guess of one variable is of a kind", _guess_of_name(value, path))

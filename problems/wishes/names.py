@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection
 
 from ..yaml.document import Path
-from .values import no_value
+from .values import ENDLESS, no_value
 
 _WORDS = {
     "write t[final] for the final time": "tf t_f T_f tF t_F t_final tfinal t_end tend T_final final_time",
@@ -18,7 +18,6 @@ _WORDS = {
 }
 _REMEDIES = {word: remedy for remedy, words in _WORDS.items() for word in words.split()}
 _NOTHING = "no none None null Null false False off nil nan NaN NA free Free open any unspecified"
-_ENDLESS = "inf Inf INF infinity Infinity oo"
 _AT_END = (
     (re.compile(r"(\w+?)_?(?:f|F|final|end|T|tf)"), "final"),
     (re.compile(r"(\w+?)_?(?:0|i|initial|start|t0)"), "initial"),
@@ -38,7 +37,7 @@ def name_wish(name: str, path: Path, varying: Collection[str], states: Collectio
     """
     if name in _NOTHING.split() and path[0] not in ("parameters", "expressions"):
         return no_value(path)
-    if name in _ENDLESS.split():
+    if name in ENDLESS:
         ended = path[-1] in ("lower", "upper", "initial", "final", "value")
         return no_value(path) if ended and path[0] != "parameters" else "write a large number, such as 1e6"
     if path[0] == "time" and name in _REMEDIES:

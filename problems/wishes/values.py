@@ -19,6 +19,10 @@ _DEGREES = re.compile(r"°|deg|degs|degree|degrees")
 _RESULT, _CSV = re.compile(r"\S+\.(h5|hdf5|nc)"), re.compile(r"\S+\.csv")
 _ASSIGNED = re.compile(r"[\w./()']+\s*=\s*([^=].*)")
 
+_SIDES = ("lower", "upper")
+ENDLESS = ["inf", "Inf", "INF", "infinity", "Infinity", "oo"]
+"""Words for an end that is none."""
+
 METHODS = {
     "hermite-simpson": "hs hermite simpson hermitesimpson separated-hermite-simpson",
     "hermite-simpson-compressed": "compressed compressed-hermite-simpson hsc",
@@ -64,12 +68,21 @@ def _end(path: Path, given: Any) -> Words | None:
     """What is said of an end or of a bound: a range in brackets, or that there is none."""
     key = str(path[-1])
     if key in ("initial", "final") and isinstance(given, list) and len(given) == 2:
-        return "a range is no list", f"write {key}: {{{entry('lower', given[0])}, {entry('upper', given[1])}}}"
+        limits = [entry(side, end) for side, end in zip(("lower", "upper"), given, strict=True) if not _endless(end)]
+        range_ = f"write {key}: {{{', '.join(limits)}}}"
+        return "a range is no list", range_ if limits else no_value(path)
+    if key in ("initial", "final") and isinstance(given, str) and (limit := condition(f"x {given}")):
+        return "an end has a range", f"write {key}: {flow({side: limit[side] for side in limit if side in _SIDES})}"
     if given is False and path[0] in ("states", "controls", "algebraic", "optimize", "time"):
         return f"{key} is {in_words(given)}", no_value(path)
     if isinstance(given, float) and isinf(given) and key in ("lower", "upper"):
         return "this is infinite, or a number above 1e308", no_value(path)
     return None
+
+
+def _endless(end: object) -> bool:
+    """Whether an end of a range is none."""
+    return (isinstance(end, float) and isinf(end)) or (isinstance(end, str) and end.lstrip("+-") in ENDLESS)
 
 
 def no_value(path: Path) -> str:

@@ -117,6 +117,8 @@ def slips_of(problem: str, mark: yaml.Mark, lines: Sequence[str]) -> Iterator[tu
         before = max((i for i in range(number) if lines[i].strip()), default=0)
         if lines[before].count("{") > lines[before].count("}"):
             yield before, "a brace that is not closed on its line", f"close it: {shorten(lines[before].strip(), 80)}}}"
+    if "mapping values are not allowed" in problem and (assigned := _ASSIGNED.fullmatch(line)):
+        yield number, "an entry has a colon, not =", f"write {assigned[1]}{assigned[2]}: {shorten(assigned[3], 80)}"
     if "could not find expected ':'" in problem:
         yield from _without_colon(mark.line, lines)
     if "mapping values are not allowed" in problem and number and _ASSIGNED.fullmatch(lines[number - 1]):
