@@ -40,7 +40,7 @@ class Expanded(NamedTuple):
     parameters that templates go by. of_templates: says of a template what is found of all that it made."""
 
     data: dict[str, Any]
-    lines: Mapping[Path, int]
+    lines: dict[Path, int]
     findings: Sequence[Finding] = ()
     counted: frozenset[str] = frozenset()
     of_templates: Callable[[list[Finding]], list[Finding]] = list
