@@ -132,10 +132,9 @@ class _Builder:
                 spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
             ),
             residuals=self.residuals(),
-            path=(*self.of_model("path"), *written["path"], *map(self.slack, rewritten.path), *self.signs(), *products),
+            path=(*written["path"], *map(self.slack, rewritten.path), *self.signs(), *products),
             complementarity=tuple(Complementarity(own.name, own.function, own.bounds.upper) for own in products),
             boundary=(
-                *self.of_model("boundary"),
                 *written["boundary"],
                 *map(self.slack, rewritten.boundary),
                 *self.of_times(),
@@ -216,10 +215,6 @@ class _Builder:
         )
 
     def rate(self, state: DeclaredState) -> Function:
-        equations = self.symbols.equations
-        if state.rate is None:
-            assert equations is not None  # a state without an expression for its rate is a model's
-            return equations.rates[state.name]
         if state.rate_path[-1:] == ("next",):
             following = self.rewritten.expressions.get(state.rate_path, state.rate)
             return self.bound(following.less(state.name))
@@ -233,19 +228,10 @@ class _Builder:
 
     def residuals(self) -> tuple[Constraint, ...]:
         names = residual_names(self.spec)
-        own = (
+        return tuple(
             Constraint(name, self.function(("residuals", i, "expression"), residual.expression), Range(0.0, 0.0))
             for i, (residual, name) in enumerate(zip(self.spec.residuals, names, strict=True))
         )
-        equations = self.symbols.equations
-        model = (Constraint(n, f, Range(0.0, 0.0)) for n, f in equations.residuals.items()) if equations else ()
-        return (*model, *own)
-
-    def of_model(self, kind: str) -> tuple[Constraint, ...]:
-        """The path or the boundary constraints of the model."""
-        equations = self.symbols.equations
-        given = getattr(equations, kind) if equations else {}
-        return tuple(Constraint(name, function, bounds) for name, (function, bounds) in given.items())
 
     def written_constraints(self) -> dict[str, list[Constraint]]:
         """The constraints of the file, by kind."""

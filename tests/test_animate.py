@@ -14,7 +14,7 @@ from trajopt.problems.drawings.drawing import drawings_of
 from trajopt.problems.drawings.shapes import Circle, Polyline, Rectangle
 from trajopt.results.file.read import read
 from trajopt.results.pictures.animate import scene, stop_action
-from trajopt.results.pictures.style import PARTS
+from trajopt.results.pictures.style import COLOURS, PARTS
 from trajopt.transcription.loading import load_file
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -60,16 +60,15 @@ def test_cart_pole_hangs_at_zero_and_turns_counter_clockwise(angle):
 def test_biped_puts_its_swing_foot_down_one_step_ahead():
     """The final state of Table 4's walker, computed independently: P5 = (0.5, 0) m, and the knees do not come apart."""
     q = (-0.36192, -0.35099, -0.22793, 0.50165, 0.07129)
-    values = {name: 1.0 for name in ("g", *(f"{k}{i}" for k in "mId" for i in range(1, 6)))}
-    values |= {"l1": 0.4, "l2": 0.4, "l3": 0.625, "l4": 0.4, "l5": 0.4}
-    values |= {f"q{i}": angle for i, angle in enumerate(q, start=1)}
-    (foot,) = shapes_of("biped", "swing foot", values)
-    (stance,) = shapes_of("biped", "stance leg", values)
-    (swing,) = shapes_of("biped", "swing leg", values)
-    (torso,) = shapes_of("biped", "torso", values)
+    values = {f"q{i}": angle for i, angle in enumerate(q, start=1)}
+    tibia, femur, torso, swing_femur, swing_tibia = shapes_of("biped", "pole", values)
+    (foot,) = shapes_of("biped", "tip", values)
     assert foot.centre == pytest.approx((0.5, 0.0), abs=1e-4)
-    assert stance.points[0] == pytest.approx((0, 0))
-    assert stance.points[-1] == swing.points[0] == torso.points[0]
+    assert tibia.points[0] == pytest.approx((0, 0)) and tibia.points[1] == pytest.approx(femur.points[0])
+    assert femur.points[-1] == pytest.approx(swing_femur.points[0]) and femur.points[-1] == pytest.approx(
+        torso.points[0]
+    )
+    assert swing_tibia.points[-1] == pytest.approx(foot.centre)
     assert np.hypot(*np.diff(torso.points, axis=0)[0]) == pytest.approx(0.625)
 
 
@@ -160,9 +159,9 @@ def test_stop_action_of_the_biped_tells_its_parts_apart(solved):
     ax = Figure().add_subplot()
     stop_action(ax, read(solved("biped")), 4, spread=0.5, by_part=True)
     dashed = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
-    assert {line.get_color() for line in dashed} == {"#C83C3C"}
-    assert [line.get_xdata()[0] for line in dashed] == pytest.approx([0, 0.5, 1.0, 1.5])
-    assert [line.get_alpha() for line in dashed] == pytest.approx([0.35, 0.567, 0.783, 1.0], abs=1e-3)
+    assert {line.get_color() for line in dashed} == {COLOURS["vermilion"]}
+    assert [line.get_xdata()[0] for line in dashed[::2]] == pytest.approx([0, 0.5, 1.0, 1.5])
+    assert [line.get_alpha() for line in dashed[::2]] == pytest.approx([0.35, 0.567, 0.783, 1.0], abs=1e-3)
 
 
 @pytest.mark.parametrize("target", ["poses.png", "poses.pdf"])

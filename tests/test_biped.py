@@ -1,4 +1,4 @@
-"""The five-link biped: its mechanics against derivations by Lagrange, and what a model says of itself."""
+"""The five-link biped: its mechanics against derivations by Lagrange, and what its name stands for."""
 
 from functools import cache
 
@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
-from walker import LINKS, LOPSIDED, Q0, TABLE_4, G, T, biped, parameters
+from walker import CHAIN, LINKS, LOPSIDED, Q0, STRIDE, TABLE_4, G, T, biped
 
-from trajopt.problems.errors import SpecError
-from trajopt.problems.models import MODELS, find_model
+from trajopt.problems.chains.robots import ROBOTS
 from trajopt.problems.problem import Phase
+from trajopt.problems.schema.model import CHAIN as CHAIN_KIND
+from trajopt.problems.schema.model import NAMES_OF_MODELS
 from trajopt.transcription.solution.implicit import consistent_inputs
 
 # -- mechanics, derived a second time: a chain that floats freely, by Lagrange ---
@@ -92,23 +93,15 @@ def test_single_stance_is_that_of_lagrange():
     """(F.4)-(F.8), as corrected, against a chain derived from its energies, no two links alike."""
     q, dq, u = random_states(40)
     expected = [floating("lopsided").accelerations(*state) for state in zip(q, dq, u, strict=True)]
-    (phase,) = biped(table=LOPSIDED).phases
+    (phase,) = biped(table=LOPSIDED, model=f"{{{CHAIN}}}").phases
     found = accelerations(phase, q.T, dq.T, u.T).T
     assert found == pytest.approx(np.array(expected), rel=1e-9, abs=1e-9)
 
 
-def test_residuals_are_moments_about_the_joints():
-    """At rest and upright only the torques are left: residual k is u_k; in newton-metres, one to one."""
-    model = find_model("five_link_biped")
-    equations = model.build(parameters())
-    values = dict.fromkeys((*model.states, *model.algebraic), 0.0) | {f"u{i}": 10.0 * i for i in LINKS}
-    assert [f(values, np) for f in equations.residuals.values()] == pytest.approx([10, 20, 30, 40, 50])
-
-
 def test_heel_strike_is_a_plastic_impact():
     """(F.9)-(F.15) against M(q) (v+ - v-) = J' impulse of the unpinned walker with seven coordinates."""
-    equations = find_model("five_link_biped").build(parameters())
-    strikes = [f for name, (f, _) in equations.boundary.items() if name.startswith("heel_strike")]
+    (phase,) = biped().phases
+    strikes = [row.function for row in phase.boundary if row.name.startswith("strike")]
 
     def left_side(q, dq, dq_new):
         values = {f"q{i + 1}[final]": a for i, a in enumerate(q)} | {f"dq{i + 1}[final]": a for i, a in enumerate(dq)}
@@ -125,9 +118,9 @@ def test_heel_strike_is_a_plastic_impact():
 
 
 def test_heel_strike_swaps_the_legs():
-    equations = find_model("five_link_biped").build(parameters())
+    (phase,) = biped().phases
     values = {f"q{i}[final]": float(i) for i in LINKS} | {f"q{i}[initial]": 10.0 * (6 - i) for i in LINKS}
-    swaps = [f(values, np) for name, (f, _) in equations.boundary.items() if name.startswith("swap")]
+    swaps = [row.function(values, np) for row in phase.boundary if row.name.startswith("step q")]
     assert swaps == pytest.approx([9.0 * i for i in (5, 4, 3, 2, 1)])
 
 
@@ -145,37 +138,36 @@ def test_passive_swing_keeps_its_energy():
     assert energy == pytest.approx(energy[0], rel=1e-8)
 
 
-# -- the contract of a model ---
+# -- a robot's name ---
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_a_model_says_all_that_its_equations_hold(name):
-    model = find_model(name)
-    equations = model.build(dict.fromkeys(model.parameters, 0.3))
-    assert model.name == name
-    assert set(equations.rates) == set(model.states)
-    assert len(equations.residuals) == len(model.algebraic)
-    names = [*model.parameters, *model.states, *model.controls, *model.algebraic, *equations.outputs]
-    assert len(names) == len(set(names))
-    quantities = {**model.parameters, **model.states, **model.controls, **model.algebraic}
-    assert all(quantity.unit and quantity.note for quantity in quantities.values())
+def test_the_name_stands_for_the_chain():
+    """The same residuals and constraints between the ends as with the links written out."""
+    (named,), (written,) = biped().phases, biped(model=f"{{{CHAIN}, {STRIDE}}}").phases
+    rng = np.random.default_rng(3)
+    names = [v.name for v in (*named.states, *named.inputs)]
+    assert names == [v.name for v in (*written.states, *written.inputs)]
+    values = dict(zip(names, rng.uniform(-2, 2, len(names)), strict=True))
+    ends = {f"{name}[{end}]": own for name, own in values.items() for end in ("initial", "final")}
+    for a, b in zip(named.residuals, written.residuals, strict=True):
+        assert a.function(values, np) == b.function(values, np)
+    own = {row.name: row.function(ends, np) for row in named.boundary}
+    assert {row.name: row.function(ends, np) for row in written.boundary}.items() <= own.items()
+    assert own.keys() - {row.name for row in written.boundary} == {
+        "step_length", "foot_lands", "foot_leaves_upwards", "foot_lands_downwards"
+    }  # fmt: skip
 
 
-def test_an_unknown_model_is_told_with_the_nearest_name():
-    with pytest.raises(SpecError, match=r"did you mean five_link_biped\? the models are five_link_biped"):
-        find_model("five_link_bipde")
-    with pytest.raises(SpecError, match=r'no model "segway"; the models are five_link_biped'):
-        find_model("segway")
+def test_every_robot_that_is_known_has_a_name():
+    assert (CHAIN_KIND, *ROBOTS) == NAMES_OF_MODELS
+    for robot in ROBOTS.values():
+        assert all(unit and note for unit, note in robot.parameters.values())
 
 
-def test_pose_draws_the_links_where_the_equations_have_them():
-    model = find_model("five_link_biped")
+def test_the_foot_is_where_the_links_put_it():
+    (phase,) = biped().phases
     values = {f"q{i}": a for i, a in zip(LINKS, Q0, strict=True)}
-    pose = model.pose(values, parameters())
-    outputs = model.build(parameters()).outputs
-    assert pose["stance leg"][0] == pytest.approx([0, 0])
-    assert pose["swing leg"][-1] == pytest.approx([outputs[name](values, np) for name in ("foot_x", "foot_y")])
-    lengths = {part: np.linalg.norm(np.diff(joints, axis=0), axis=1).tolist() for part, joints in pose.items()}
-    leg = pytest.approx(TABLE_4["l"][:2])
-    assert lengths == {"stance leg": leg, "torso": [TABLE_4["l"][2]], "swing leg": leg}
-    assert pose["torso"][1] - pose["torso"][0] == pytest.approx([0, 0.625])
+    length = TABLE_4["l"]
+    reach = (length[0], length[1], 0.0, -length[3], -length[4])
+    assert phase.outputs["foot_x"].function(values, np) == pytest.approx(-sum(np.sin(Q0) * reach))
+    assert phase.outputs["foot_y"].function(values, np) == pytest.approx(sum(np.cos(Q0) * reach))

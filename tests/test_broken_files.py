@@ -3,9 +3,9 @@
 import broken
 import pytest
 
+from trajopt.problems.chains.robots import ROBOTS
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load
-from trajopt.problems.models import find_model
 
 
 def test_the_good_file_is_good(tmp_path):
@@ -40,4 +40,4 @@ def test_what_a_model_needs_is_told_in_its_own_order(tmp_path):
     with pytest.raises(SpecError) as error:
         load(path, methods=broken.METHODS)
     needed = [mistake.what.split(",")[0].split()[-1] for mistake in error.value.mistakes]
-    assert needed == list(find_model("five_link_biped").parameters)[: len(needed)] and len(needed) > 10
+    assert needed == list(ROBOTS["five_link_biped"].parameters)[: len(needed)] and len(needed) > 10

@@ -46,7 +46,7 @@ FULL = {
         "max_iter": 100,
     },
     "drawing": [
-        {"line": [["0", "0"], ["x", "1"]], "color": "green", "name": "rod"},
+        {"line": [["0", "0"], ["x", "1"]], "color": "green", "dashed": True, "name": "rod"},
         {"point": ["x", "0"], "trail": True},
         {"circle": ["x", "0"], "radius": 0.1, "trail": "whole"},
         {"box": ["x", "0"], "width": 0.1, "height": 0.2, "angle": "x", "obstacle": True},

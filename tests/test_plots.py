@@ -66,7 +66,7 @@ def test_every_quantity_has_a_panel_with_its_unit(solved):
 def test_kinds_that_are_not_there_have_no_panel(solved, name, count):
     figure = plots.trajectory_figure(read(solved(name)))
     assert len(figure.axes) == count
-    assert ("ddq1 [rad/s²]" in titles(figure)) == (name == "biped")
+    assert ("dq1[rate] [rad/s²]" in titles(figure)) == (name == "biped")
 
 
 def test_result_without_algebraic_variables_and_costates(solved, folder):

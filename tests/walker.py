@@ -1,10 +1,10 @@
-"""The walking problem of the paper's section 7, built without a problem file."""
+"""The walking problem of the paper's section 7, with numbers, constraints and meshes of a test's own."""
 
 import numpy as np
 
-from trajopt.problems.models import find_model
-from trajopt.problems.problem import Guess, Phase, Problem
-from trajopt.problems.quantities import Constraint, Range, State, Variable
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.problems.problem import Problem
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 
@@ -25,11 +25,18 @@ LOPSIDED = {  # no two links alike: nothing may be right by symmetry
 G, STEP, T = 9.81, 0.5, 0.7
 Q0 = np.array([-0.3, 0.7, 0.0, -0.5, -0.6])  # (7.8)
 SUPPLEMENT = {"d3": 0.425}
-BOUNDS = {"q": Range(-np.pi / 2, np.pi / 2), "dq": Range(-10, 10), "ddq": Range(), "u": Range(-100, 100)}
 KNEES = (
-    Constraint("stance_knee", lambda v, m: v["q1"] - v["q2"], Range(upper=0)),
-    Constraint("swing_knee", lambda v, m: v["q5"] - v["q4"], Range(upper=0)),
+    {"name": "stance_knee", "expression": "q1 - q2", "upper": 0},
+    {"name": "swing_knee", "expression": "q5 - q4", "upper": 0},
 )
+STRIDE = "step: {foot: swing_tibia, swap: [[stance_tibia, swing_tibia], [stance_femur, swing_femur]]}"
+CHAIN = """
+kind: chain, gravity: g, zero: up, links: [
+  {name: stance_tibia, mass: m1, length: l1, com: l1 - d1, inertia: I1, motor: true},
+  {name: stance_femur, mass: m2, length: l2, com: l2 - d2, inertia: I2, motor: true},
+  {name: torso, mass: m3, length: l3, com: d3, inertia: I3, motor: true},
+  {name: swing_femur, parent: torso, at: 0, mass: m4, length: l4, com: d4, inertia: I4, motor: true, zero: down},
+  {name: swing_tibia, mass: m5, length: l5, com: d5, inertia: I5, motor: true, zero: down}]"""
 
 
 def parameters(table=TABLE_4, **changes) -> dict[str, float]:
@@ -37,33 +44,25 @@ def parameters(table=TABLE_4, **changes) -> dict[str, float]:
     return {**rows, "g": G, "step_length": STEP, **changes}
 
 
-def biped(path=(), table=TABLE_4, **changes) -> Problem:
+def biped(path=(), table=TABLE_4, model="five_link_biped", **changes) -> Problem:
     """The walking problem of the paper's section 7, for Table 4 with some parameters changed."""
-    model = find_model("five_link_biped")
-    equations = model.build(parameters(table, **changes))
-    ranges = {name: BOUNDS[name[:-1]] for name in (*model.states, *model.controls, *model.algebraic)}
-    ranges["u1"] = Range(0, 0)  # the ankle has no motor
-    keyframes = np.array([Q0, Q0[::-1]])  # (7.8), (7.9)
-    guess = dict.fromkeys((*model.controls, *model.algebraic), np.zeros(2))  # (7.11)
-    guess |= {f"q{i}": keyframes[:, i - 1] for i in LINKS}
-    guess |= {f"dq{i}": np.full(2, (keyframes[1] - keyframes[0])[i - 1] / T) for i in LINKS}  # (7.10)
-    phase = Phase(
-        name="main",
-        initial_time=Range(0, 0),
-        final_time=Range(T, T),
-        states=tuple(
-            State(name, bounds=ranges[name], rate=rate, initial=ranges[name], final=ranges[name])
-            for name, rate in equations.rates.items()
-        ),
-        controls=tuple(Variable(name, bounds=ranges[name]) for name in model.controls),
-        guess=Guess(0, T, np.array([0.0, 1.0]), guess),
-        algebraic=tuple(map(Variable, model.algebraic)),
-        residuals=tuple(Constraint(name, f, Range(0, 0)) for name, f in equations.residuals.items()),
-        path=tuple(path),
-        boundary=tuple(Constraint(name, f, bounds) for name, (f, bounds) in equations.boundary.items()),
-        lagrange=lambda v, m: sum(v[f"u{i}"] ** 2 for i in LINKS),  # (7.1)
-    )
-    return Problem("biped", 1, (phase,))
+    frames = {f"q{i}": [float(Q0[i - 1]), float(Q0[5 - i])] for i in LINKS}  # (7.8), (7.9)
+    bounds = {"q": "lower: -pi/2, upper: pi/2", "dq": "lower: -10, upper: 10"}
+    states = ", ".join(f"{name}{i}: {{{own}}}" for name, own in bounds.items() for i in LINKS)
+    motors = ", ".join(f"u{i}: {{lower: -100, upper: 100}}" for i in LINKS[1:])
+    rates = {f"dq{i}": (last - first) / T for i, (first, last) in zip(LINKS, frames.values(), strict=True)}  # (7.10)
+    text = f"""
+trajopt: 1
+model: {model}
+parameters: {parameters(table, **changes)}
+time: {{initial: 0, final: {T}}}
+states: {{{states}}}
+controls: {{u1: {{lower: 0, upper: 0}}, {motors}}}  # the ankle has no motor
+constraints: {{path: {list(path)}}}
+objective: {{minimize: {{integral: u1**2 + u2**2 + u3**2 + u4**2 + u5**2}}}}  # (7.1)
+guess: {{keyframes: {frames}, constants: {rates}}}
+"""
+    return build(load_text(text, "biped.yaml"))
 
 
 def run(problem: Problem, *schedule: tuple):

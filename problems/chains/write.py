@@ -19,9 +19,10 @@ from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import control_of
+from .bodies import Body, control_of
 from .check import mistakes
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
+from .robots import robot_of, write_chain
 from .step import Step
 
 _WORD = re.compile(r"\w+")
@@ -46,6 +47,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     Returns the path of each value that was made -> what it was made of in the file, and the mistakes that the schema
     cannot see. Where there are any, and where the schema refuses the chain, names alone are written out.
     """
+    of_robot, found = write_chain(data, robot) if (robot := robot_of(data)) else ({}, [])
     if not is_chain(data.get("model")):
         return {}, []
     model: dict[str, Any] = data["model"]
@@ -54,10 +56,11 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     except ValidationError:
         declare(data, model)
         return {}, []
-    if found := mistakes(entry, data):
+    if found := [*found, *mistakes(entry, data)]:
         declare(data, model)
-        return {}, found
-    return _Writer(data, Chain(entry)).write()
+        return of_robot, found
+    short, found = _Writer(data, Chain(entry)).write()
+    return of_robot | short, found
 
 
 def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
@@ -257,7 +260,11 @@ class _Writer:
 
 
 def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
-    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip."""
+    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip.
+
+    A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
+    """
+    legs = chain.entry.step and Step(chain, chain.entry.step)
     first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
     if chain.entry.base == CART:
         yield {"ground": f"-{first}/20"}
@@ -266,6 +273,15 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
         yield {"ground": 0}
     for body in chain.bodies:
         ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
-        yield {"line": ends, "name": body.name}
+        yield {"line": ends, "name": body.name, **(look_of(legs, body) if legs else {})}
     tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
-    yield {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
+    own = {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
+    yield {**own, "color": look_of(legs, last)["color"]} if legs else own
+
+
+def look_of(legs: Step, body: Body) -> dict[str, Any]:
+    """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
+    before = legs.before[body.number]
+    if before == body.number:
+        return {"color": "purple"}
+    return {"color": "vermilion", "dashed": True} if body.number < before else {"color": "blue"}

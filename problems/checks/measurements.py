@@ -160,8 +160,6 @@ def _free_alone(
         yield Finding(
             ("constraints", "integral", i), what, "name the integral under integrals:, and bound integral.NAME"
         )
-    if spec.shipped:
-        yield Finding(first, f"{why}; what the model asks of the two ends would hold in each", "give time: both ends")
     if any(isinstance(own, TimeParameter) for own in spec.optimize.values()):
         what = f"{why}; t[initial], t[final] and t[duration] in equations would be those of a phase"
         yield Finding(first, what, "give time: both ends; a free duration T may scale the time: rate: T*f, from 0 to 1")

@@ -9,7 +9,6 @@ from ..expressions.lacking import ALIASES, LACKING
 from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import MAX_NAME, RESERVED
 from ..language.times import TimeParameter
-from ..models import find_model
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
 from ..schema.spec import Spec
@@ -31,22 +30,15 @@ def declared_names(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     symbols: of the same.
     """
     first: dict[str, str] = {}  # every name so far -> where it was declared
-    model = find_model(spec.shipped) if spec.shipped else None
     for group in ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "tables"):
-        own = getattr(model, group, {})
-        first |= dict.fromkeys(own, f"the model's {group}")
         for name in getattr(spec, group):
             if group == "expressions" and set("()") & set(name):
                 yield from _function(name, first)
-            elif name not in own and not isinstance(spec.optimize.get(name), TimeParameter):
+            elif not isinstance(spec.optimize.get(name), TimeParameter):
                 yield from _once((group, name), name, first, CALLED if group == "tables" else RESERVED)
     for state in symbols.states:
         if state.velocity_of:
             yield from _once(state.path, state.name, first, RESERVED)
-    for name in symbols.equations.outputs if symbols.equations else ():
-        if name in first:
-            what = f"{name} is an output of the model {spec.shipped}"
-            yield Finding((first[name], name), what, "choose another name")
 
 
 def _function(key: str, first: dict[str, str]) -> Iterator[Finding]:

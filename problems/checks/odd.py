@@ -8,7 +8,6 @@ from math import inf
 from ..expressions.expression import Expression
 from ..expressions.tree import Chain, Lookup, Name, Node, Operation
 from ..measured import compared
-from ..models import find_model
 from ..names.delays import parameters_of
 from ..names.occurrences import constraints
 from ..names.roles import ALGEBRAIC, CONTROL, TABLE
@@ -22,10 +21,9 @@ _ANGLED = frozenset(("sin", "cos", "tan", "cot", "sec", "csc"))
 
 def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """The warnings about a spec of one phase without mistakes."""
-    if not spec.shipped:
-        yield from _moves_nothing(symbols)
-        yield from _unreachable(spec, symbols)
-        yield from _in_no_time(spec, symbols)
+    yield from _moves_nothing(symbols)
+    yield from _unreachable(spec, symbols)
+    yield from _in_no_time(spec, symbols)
     yield from _degrees(spec, symbols)
 
 
@@ -153,9 +151,6 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     used = [node for use in symbols.uses for node in use.expression.nodes]
     named = {node.table if isinstance(node, Lookup) else node.name for node in used if isinstance(node, Lookup | Name)}
     named |= parameters_of(symbols.uses)
-    if spec.shipped:
-        model = find_model(spec.shipped)
-        named |= {*model.parameters, *model.controls, *model.algebraic}
     named |= {column for entry in spec.measurements.values() for column in compared(entry, symbols)}
     outputs = {name for name, written in spec.expressions.items() if written.unit or written.note}
     outputs = {name for name in outputs if "(" not in name}.union(called)

@@ -55,13 +55,13 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
     warnings: list[Finding] = []
     open_ends = list(_open_ends(spec))
     for name, phase in written.items():
-        if not phase.states and not phase.shipped:
+        if not phase.states:
             errors.append(Finding(("phases", name), f"the phase {name} has no states", NO_STATES.remedy))
             continue
         found, warned = check_phase(phase, whole, name)
         errors += (_at_home(spec, name, finding) for finding in found)
         warnings += (_at_home(spec, name, finding) for finding in warned)
-    if not all(phase.states or phase.shipped for phase in written.values()):
+    if not all(phase.states for phase in written.values()):
         return errors, []
     own = phase_specs(spec)
     if open_ends:

@@ -9,12 +9,9 @@ from ..chains.check import value_mistakes
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK
 from ..expressions.tree import leaves, rate_of
-from ..models import find_model
-from ..models.model import Model
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, untreated
-from ..schema.declarations import IntegralState
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
@@ -34,7 +31,7 @@ def structure_mistakes(spec: Spec, symbols: Symbols, numbers: Mapping[Path, floa
     found = [*untreated(spec, symbols), *_widths(spec, numbers), *_tolerance(spec), *value_mistakes(spec, symbols)]
     if spec.solver.engine == "newton":
         found += _inequalities(spec, symbols, numbers)
-    return [*found, *(_model(spec, find_model(spec.shipped)) if spec.shipped else _residuals(spec, symbols))]
+    return [*found, *_residuals(spec, symbols)]
 
 
 def structure_warnings(spec: Spec, symbols: Symbols) -> list[Finding]:
@@ -93,11 +90,6 @@ def _inequalities(spec: Spec, symbols: Symbols, numbers: Mapping[Path, float]) -
     if spec.nonsmooth and spec.nonsmooth.treatment == SLACK:
         what = "the Newton engine takes no bounds, and slack variables have them"
         yield Finding(("nonsmooth",), what, "write nonsmooth: {tanh: 0.01}, or leave out engine: newton")
-    for group in (symbols.equations.path, symbols.equations.boundary) if symbols.equations else ():
-        for name, (_, allowed) in group.items():
-            if not allowed.fixed:
-                what = f"the Newton engine takes equality constraints only, and the model has the inequality {name}"
-                yield Finding(("model",), what, "leave out engine: newton")
 
 
 class _Limited(NamedTuple):
@@ -170,28 +162,3 @@ def _names(expression: Expression, symbols: Symbols) -> set[str]:
     bound = symbols.function(expression)
     trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]
     return {name.name for root in trees for name in leaves(root)}
-
-
-def _model(spec: Spec, model: Model) -> Iterator[Finding]:
-    """The file gives every parameter of its model, and says nothing that is the model's to say."""
-    missing = {name: quantity for name, quantity in model.parameters.items() if name not in spec.parameters}
-    for name, quantity in missing.items():
-        what = f"the model {model.name} needs the parameter {name}" + (f", {quantity.note}" if quantity.note else "")
-        yield Finding(("parameters",), what, f"add {name}: under parameters:, in {quantity.unit or 'its unit'}")
-    for group in ("states", "controls", "algebraic"):
-        known = getattr(model, group)
-        given = getattr(spec, group)
-        for name in (name for name in given if name not in known and not isinstance(given[name], IntegralState)):
-            others = f"its {group} are {', '.join(known)}" if known else f"it has no {group}"
-            what = f"the model {model.name} has no {brief(name)} among its {group}"
-            yield Finding((group, name), what, did_you_mean(name, known, others))
-    for name, state in spec.states.items():
-        if isinstance(state, IntegralState):
-            continue
-        for key in ("rate", "accel", "velocity"):
-            if getattr(state, key) is not None:
-                what = f"the dynamics are those of the model {model.name}"
-                yield Finding(("states", name, key), what, f"remove {key}:, or model:")
-    if spec.residuals:
-        what = f"the dynamics are those of the model {model.name}"
-        yield Finding(("residuals",), what, "remove residuals:, or model:")

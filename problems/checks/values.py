@@ -30,9 +30,7 @@ from .names import declared_names, title_troubles
 from .odd import odd, unused
 from .tables import beyond_tables
 
-NO_STATES = Finding(
-    ("states",), "there must be at least 1 here", "add a state, or model: with the name of a shipped model"
-)
+NO_STATES = Finding(("states",), "there must be at least 1 here", "add a state, or model: with a chain of links")
 
 
 def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[list[Finding], list[Finding]]:
@@ -42,7 +40,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     whole: as of `checks.phases.check_spec`.
     phase: its name; of several, none needs an objective.
     """
-    if not (spec.shipped or spec.states or spec.static):
+    if not (spec.states or spec.static):
         return [NO_STATES], []
     called, written = called_functions(spec), spec
     spec, mistaken_calls = in_plain(spec)
@@ -202,8 +200,7 @@ class _Checker:
             self.warn(path, what, "choose a guess inside; the solver moves it there first")
 
     def constraint_names(self) -> None:
-        equations = self.symbols.equations
-        given = {*equations.path, *equations.boundary, *equations.residuals} if equations else set()
+        given: set[str] = set()
         paths = [path for path, _ in constraints(self.spec)]
         paths += [("residuals", i) for i in range(len(self.spec.residuals))]
         for path, name in zip(paths, constraint_names(self.spec) + residual_names(self.spec), strict=True):

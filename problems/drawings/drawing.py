@@ -1,4 +1,4 @@
-"""The drawing of a problem: the section `drawing:` of its file, or that of its model."""
+"""The drawing of a problem: the section `drawing:` of its file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from ..errors import Mistake, SpecError
 from ..expressions.expression import Expression
-from ..models import find_model
 from ..names.symbols import Symbols
 from ..phases.merge import phase_specs
 from ..schema.drawing import WHOLE as WHOLE_TRAIL
@@ -30,8 +29,6 @@ def drawings_of(spec: Spec) -> dict[str, Drawing]:
     phases = phase_specs(spec)
     if spec.drawing:
         return {name: _of_file(phase) for name, phase in phases.items()}
-    if spec.shipped and find_model(spec.shipped).pose is not None:
-        return dict.fromkeys(phases, _of_model(spec.shipped))
     states = [*spec.states, "x", "y"][:2]
     shape = f"drawing: [{{circle: [{', '.join(states)}], radius: 0.1, trail: true}}]"
     what = "this problem has no drawing to animate"
@@ -44,21 +41,6 @@ def obstacles_of(spec: Spec) -> list[Shape]:
     symbols = Symbols(phase)
     fixed = [entry for entry in phase.drawing if entry.obstacle and _stands_still(entry, symbols)]
     return [_shape(entry, _Values(symbols, {})) for entry in fixed]
-
-
-def _of_model(name: str) -> Drawing:
-    """Two legs and a torso; the stance foot is at the origin, and the swing foot leaves its path."""
-    pose = find_model(name).pose
-    assert pose is not None
-
-    def drawing(values: Mapping[str, Any]) -> list[Shape]:
-        lines = [
-            Polyline(part, [(float(x), float(y)) for x, y in joints]) for part, joints in pose(values, values).items()
-        ]
-        foot = next(line for line in lines if line.role == "swing leg").points[-1]
-        return [Ground(0.0), *lines, Circle("swing foot", foot, 0.012, trace=SO_FAR)]
-
-    return drawing
 
 
 def _of_file(phase: Spec) -> Drawing:
@@ -101,7 +83,7 @@ def _shape(entry: ShapeEntry, at: _Values) -> Shape:
     trace = {True: SO_FAR, WHOLE_TRAIL: WHOLE}.get(entry.trail, "")
     colour = entry.color or ""
     if entry.line is not None:
-        return Polyline(role, [at.pair(corner) for corner in entry.line], colour)
+        return Polyline(role, [at.pair(corner) for corner in entry.line], colour, entry.dashed)
     if entry.ground is not None:
         return Ground(at(entry.ground), role, colour)
     if entry.box is not None:

@@ -20,6 +20,7 @@ class Polyline:
     role: str
     points: Sequence[Point]
     colour: str = ""
+    dashed: bool = False
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT
 from .smooth import STAND_INS
-from .tree import Chain, External, Lookup, Name, Node, Number, Operation
+from .tree import Chain, Lookup, Name, Node, Number, Operation
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -102,8 +102,6 @@ class Walk:
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
             case Lookup(operands=operands):
                 return self.look_up(node, [self.visit(operand) for operand in operands])
-            case External():
-                return self.call(node)
             case Chain(first=first, links=links):
                 result = self.visit(first)
                 for link in links:
@@ -124,21 +122,6 @@ class Walk:
 
     def look_up(self, node: Lookup, operands: list[Any]) -> Any:
         return self.tables[node.table].evaluate(self.functions, operands)
-
-    def call(self, node: External) -> Any:
-        return node.function(_Arguments(node, self.lookup), self.functions)
-
-
-class _Arguments(dict[str, Any]):
-    """The values of the operands of an external function by name, made when they are asked for."""
-
-    def __init__(self, node: External, lookup: Callable[[Name], Any]):
-        super().__init__()
-        self.names, self.lookup = {name.name: name for name in node.operands}, lookup
-
-    def __missing__(self, name: str) -> Any:
-        self[name] = self.lookup(self.names[name])
-        return self[name]
 
 
 def first_fault(expression: Evaluated, values: Mapping[str, Any]) -> Fault | None:
@@ -190,11 +173,6 @@ class _Audit(Walk):
         if self.constants_only:
             self.refuse(node, self.tables[node.table].outside(operands), f"is outside of the points of {node.table}")
         return self.finite(node, super().look_up(node, operands))
-
-    def call(self, node: External) -> Any:
-        if any(self.lookup(operand) is None for operand in node.operands):
-            return None
-        return self.finite(node, super().call(node))
 
     def known(self, key: str) -> Any:
         return self.scope.get(key, self.values.get(key))

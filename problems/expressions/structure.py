@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..quantities import Function
 from .expression import Expression
 from .functions import is_inconsistent
-from .tree import External, Lookup, Node, Operation, below, leaves, nodes
+from .tree import Lookup, Node, Operation, below, leaves, nodes
 
 
 class Form(NamedTuple):
@@ -77,8 +77,6 @@ def _names(root: Node) -> list[str]:
 def _constant_parts(node: Node, values_only: bool) -> Iterator[Node]:
     """The largest parts of a tree whose parameters must be numbers."""
     match node:
-        case External():
-            yield node
         case Operation(symbol=symbol) if is_inconsistent(symbol):
             yield node
         case Operation(symbol="**", operands=(base, exponent)) if not values_only:

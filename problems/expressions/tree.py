@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -77,14 +77,6 @@ class Chain(Node):
     links: tuple[Link, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class External(Node):
-    """A function that is no expression: `function(values of the operands by name, functions)`."""
-
-    function: Callable[[Mapping[str, Any], Any], Any]
-    operands: tuple[Name, ...]
-
-
 def parse_tree(text: str, called: Collection[str] = ()) -> Node:
     """The tree of a tidy text.
 
@@ -127,7 +119,7 @@ def nodes(root: Node) -> Iterator[Node]:
 def below(node: Node) -> tuple[Node, ...]:
     """The nodes that a node is made of: operands from the left."""
     match node:
-        case Operation(operands=operands) | Lookup(operands=operands) | External(operands=operands):
+        case Operation(operands=operands) | Lookup(operands=operands):
             return operands
         case Chain(first=first, links=links):
             return (first, *(link.operand for link in links))
@@ -139,10 +131,6 @@ def rebuilt(node: Node, new: Sequence[Node]) -> Node:
     match node:
         case Operation() | Lookup():
             return replace(node, operands=tuple(new))
-        case External():
-            names = tuple(part for part in new if isinstance(part, Name))
-            assert len(names) == len(new), "a function of a model takes names only"
-            return replace(node, operands=names)
         case Chain(links=links):
             kept = (replace(link, operand=operand) for link, operand in zip(links, new[1:], strict=True))
             return replace(node, first=new[0], links=tuple(kept))
@@ -178,8 +166,6 @@ def skeleton(node: Node) -> Any:
             own = tuple(link.symbol for link in links)
         case Operation(symbol=name) | Lookup(table=name):
             own = (name,)
-        case External(function=function):
-            own = (id(function),)
     return (type(node), *own, *map(skeleton, below(node)))
 
 

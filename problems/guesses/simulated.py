@@ -67,13 +67,7 @@ class _Rates:
         self.phase, self.given, self.evaluations = phase, given, 0
         self.largest = LARGEST * (1 + np.abs(x0))
         self.bounds = {control.name: control.bounds for control in phase.controls}
-        equations = symbols.equations
-        self.functions: list[Function] = []
-        for own in symbols.states:
-            if own.rate is not None:
-                self.functions.append(symbols.function(own.rate))
-            elif equations is not None:
-                self.functions.append(equations.rates[own.name])
+        self.functions: list[Function] = [symbols.function(own.rate) for own in symbols.states]
 
     def controls(self, t: np.ndarray, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The controls that are given, kept within their bounds; arrays of the shape of t."""

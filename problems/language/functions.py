@@ -18,7 +18,6 @@ from ..expressions.expression import Expression
 from ..expressions.signature import Signature, signature
 from ..expressions.tree import Chain, Link, Lookup, Name, Node, below, leaves, nodes, placed, rebuilt
 from ..lean.records import dataclass
-from ..models import find_model
 from ..names.circles import untangle
 from ..names.symbols import UNKNOWN
 from ..schema.spec import Spec
@@ -217,11 +216,8 @@ def _called(root: Node) -> set[str]:
 
 def _varying(spec: Spec) -> set[str]:
     """The names that have a value at every time."""
-    model = find_model(spec.shipped) if spec.shipped else None
     found = {"t", *spec.states, *spec.controls, *spec.algebraic}
     found |= {entry.velocity_of(name) for name, entry in spec.states.items() if entry.second_order}
-    if model:
-        found |= {*model.states, *model.controls, *model.algebraic}
     waiting = {name: {leaf.name for leaf in entry.value.leaves} for name, entry in spec.expressions.items()}
     while new := {name for name, needs in waiting.items() if needs & found}:
         found |= new

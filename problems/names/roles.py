@@ -5,10 +5,10 @@ from __future__ import annotations
 from ..expressions.tree import Name
 
 # Roles of names that have a value at every time.
-STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT = "state", "control", "algebraic variable", "rate", "output of the model"
+STATE, CONTROL, ALGEBRAIC, RATE = "state", "control", "algebraic variable", "rate"
 DELAYED = "state at an earlier time"
 TABLE = "table"
-VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, OUTPUT, DELAYED})
+VARYING = frozenset({"time", STATE, CONTROL, ALGEBRAIC, RATE, DELAYED})
 
 
 def with_article(role: str) -> str:

@@ -8,10 +8,8 @@ import numpy as np
 
 from ..expressions.evaluation import Fault
 from ..expressions.expression import Expression
-from ..expressions.tree import External, Name, Node, Number, count, leaves
-from ..models import find_model
-from ..models.model import Equations
-from ..quantities import Function, Range
+from ..expressions.tree import Name, Node, Number, count, leaves
+from ..quantities import Range
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..text import shorten
@@ -26,7 +24,6 @@ from .roles import (
     ALGEBRAIC,
     CONTROL,
     DELAYED,
-    OUTPUT,
     RATE,
     STATE,
     TABLE,
@@ -74,7 +71,7 @@ class Symbols:
 
     states, controls, algebraic: the variables, see variables.py. roles: name -> "parameter", "expression", "static
     parameter", "table", or one of VARYING. numbers: the values of the parameters. tables: those of data. delayed: the
-    states at earlier times, by name. equations: those of the model, None without one. definitions: the expressions that
+    states at earlier times, by name. definitions: the expressions that
     others may refer to, each after those that it refers to; `varying` are those that vary in time, `fixed` holds the
     numbers and the values of the expressions of parameters alone. findings: mistakes met on the way; without them, all
     of these are complete. uses: every expression of the spec. origin: where the file has what stands at a path of it.
@@ -111,8 +108,6 @@ class Symbols:
         self.definitions: dict[str, Expression] = {}
         self.varying: set[str] = set()
         self._wrong: set[Path] = set()
-        self._outputs_unknown = False
-        self.equations: Equations | None = None
         self.uses = tuple(uses(spec))
         self._check_all_names(use for use in self.uses if use.path[0] == "parameters")
         self._units = {name: p.unit for name, p in spec.parameters.items()}
@@ -121,8 +116,6 @@ class Symbols:
         names = [state.name for state in self.states]
         self.delayed = delayed_states(own, names, self._known, self.findings)
         self.roles |= dict.fromkeys(self.delayed, DELAYED)
-        self._build_model(spec)
-        self._outputs_unknown = bool(spec.shipped) and self.equations is None
         self._check_all_names(own)
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
@@ -200,9 +193,6 @@ class Symbols:
     def _check_names(self, use: Use) -> None:
         seen = set()
         for name in use.expression.leaves:
-            if name.name not in self.roles and self._outputs_unknown:
-                self._wrong.add(use.path)
-                continue
             trouble = self._troubles.of(name, use.context, use.path)
             if trouble and (name.name, name.end) not in seen:
                 self.findings.append(Finding(use.path, *trouble))
@@ -211,18 +201,6 @@ class Symbols:
         if wrong := lookups.misused(use.expression, self.tables):
             self._wrong.add(use.path)
             self.findings += [Finding(use.path, *own) for own in wrong if own]
-
-    def _build_model(self, spec: Spec) -> None:
-        """The equations of the model, if all its parameters are known, and its outputs as definitions."""
-        model = find_model(spec.shipped) if spec.shipped else None
-        if model is None or not model.parameters.keys() <= self.numbers.keys():
-            return
-        self.equations = model.equations({name: self.numbers[name] for name in model.parameters})
-        names = ["t", *(v.name for v in (*self.states, *self.controls, *self.algebraic))]
-        for name, function in self.equations.outputs.items():
-            self.roles[name] = OUTPUT
-            self.definitions[name] = _external(name, function, names)
-            self.varying.add(name)
 
     def _ordered(self, group: str, expressions: dict[str, Expression]) -> list[str]:
         """The names of a group, each after those that its expression refers to; those in a circle are left out."""
@@ -267,12 +245,6 @@ class Symbols:
                 self.varying.add(name)
             elif inner <= self.fixed.keys():
                 self.fixed[name] = given(expression, self._of_fixed)
-
-
-def _external(name: str, function: Function, names: list[str]) -> Expression:
-    """A function of a model as an expression."""
-    span = 0, len(name)
-    return Expression(name, External(*span, function, tuple(Name(*span, n, None) for n in names)))
 
 
 def no_value(path: Path, fault: Fault) -> Finding:

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, External, Link, Name, Node, below, rebuilt
+from ..expressions.tree import Chain, Link, Name, Node, below, rebuilt
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
@@ -146,25 +145,7 @@ def _prefixed(root: Node, phase: str, static: frozenset[str]) -> Node:
 
 
 def _renamed(root: Node, new: Callable[[Name], Name]) -> Node:
-    """A tree with other names; the function of a model gets its operands by the names that it knows."""
+    """A tree with other names."""
     if isinstance(root, Name):
         return new(root)
-    if isinstance(root, External):
-        operands = tuple(new(name) for name in root.operands)
-        renamed = {old.name: own.name for old, own in zip(root.operands, operands, strict=True)}
-        function = root.function
-        return replace(
-            root, function=lambda v, functions: function(_ByOldName(v, renamed), functions), operands=operands
-        )
     return rebuilt(root, [_renamed(node, new) for node in below(root)])
-
-
-class _ByOldName(dict[str, Any]):
-    """Values by the names that a function of a model asks for."""
-
-    def __init__(self, values: Mapping[str, Any], renamed: Mapping[str, str]):
-        super().__init__()
-        self.values_of, self.renamed = values, renamed
-
-    def __missing__(self, name: str) -> Any:
-        return self.values_of[self.renamed[name]]

@@ -53,7 +53,6 @@ def _why_not(spec: Spec) -> str:
     own = list(uses(spec))
     reasons = {
         "it has no continuous time": spec.static or spec.discrete,
-        f"what the model {spec.shipped} asks of the two ends would hold in every phase": spec.shipped,
         "one of two things is zero in it (complementarity), which has no smooth arcs": spec.complementarity,
         "abs, min and max are not smooth within an arc": spec.nonsmooth,
         "states at earlier times are of one phase": any(use.context == HISTORY for use in own),

@@ -39,6 +39,7 @@ class ShapeEntry(Entry):
     obstacle: bool = Field(
         False, description="whether it is drawn as what must not be touched, in plots of x and y too"
     )
+    dashed: bool = Field(False, description="whether a line is drawn with dashes")
     color: Color | None = Field(None, description="one of " + ", ".join(COLORS))
     name: Text = Field("", description="a remark for readers")
 
@@ -63,6 +64,8 @@ class ShapeEntry(Entry):
         sizes = ("radius", "width", "height", "angle")
         if extra := next((size for size in sizes if getattr(self, size) is not None and size not in known), None):
             raise mistake(f"a {kind} has no {extra}", f"remove {extra}:")
+        if self.dashed and kind != "line":
+            raise mistake(f"a {kind} is not dashed", "remove dashed:")
         if self.trail and kind in ("line", "ground"):
             raise mistake(f"a {kind} has no middle to leave a trail", "give a point: with the trail")
         return self

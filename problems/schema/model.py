@@ -1,4 +1,4 @@
-"""The section `model:`: a shipped model by its name, or a chain of links, whose equations of motion trajopt makes."""
+"""The section `model:`: a chain of links, whose equations of motion trajopt makes, or a robot's name, which is one."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ from pydantic import (
 
 from ..expressions.expression import parse
 from ..expressions.signature import name_trouble
-from ..models import MODELS
 from ..text import brief, did_you_mean
 from ..yaml.document import in_words
 from .fields import Entry, Formula, Text, either_form, mistake
 
 CHAIN = "chain"
-NAMES_OF_MODELS = (CHAIN, *MODELS)
+FIVE_LINK_BIPED = "five_link_biped"
+NAMES_OF_MODELS = (CHAIN, FIVE_LINK_BIPED)
+"""What `kind:` may be: a chain, or the name of a robot, see `chains.robots`."""
+
 FIXED, CART, FLOATING = "fixed", "cart", "floating"
 BASE = "base"
 """The name of what the first link hangs on, for `parent:`."""
@@ -127,9 +129,9 @@ class StepEntry(Entry):
 
 
 class ModelEntry(Entry):
-    """The dynamics: a chain of links in the plane, or a shipped model, for which its name alone may stand."""
+    """The dynamics: a chain of links in the plane, or a robot that is one, for which its name stands."""
 
-    kind: Text = Field(description="chain, or the name of a shipped model")
+    kind: Text = Field(description="chain, or the name of a robot")
     base: Literal["fixed", "cart", "floating"] = Field(
         "fixed", description="what the first link hangs on: fixed (default), cart, or floating, as in flight"
     )

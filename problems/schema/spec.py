@@ -20,7 +20,7 @@ from .declarations import NOTE, Algebraic, Control, NamedExpression, Parameter, 
 from .drawing import MAX_SHAPES, ShapeEntry
 from .fields import MAX_TAGS, Entry, Number, Scaling, Tag, Text, mistake
 from .measurements import MAX_SETS, MeasuredEntry
-from .model import CHAIN, ModelEntry
+from .model import ModelEntry
 from .phases import MAX_PHASES, NONE, LinkEntry, PhaseEntry, Waypoint
 from .sections import MAX_NAMES, ComplementarityEntry, Constraints, GuessEntry, Nonsmooth, Objective
 from .solving import (
@@ -85,7 +85,7 @@ class Spec(Entry):
     )
     model: ModelEntry = Field(
         ModelEntry.model_construct(kind=""),
-        description="a chain of links, {kind: chain, links: [...]}, or the name of a shipped model: it gives states, "
+        description="a chain of links, {kind: chain, links: [...]}, or the name of a robot: it gives states, "
         "controls, dynamics; the file its parameters, and bounds and ends where there are any",
     )
     time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")
@@ -193,11 +193,6 @@ class Spec(Entry):
         if twice := next((tag for i, tag in enumerate(value) if tag in value[:i]), None):
             raise mistake(f'the tag "{brief(twice)}" is given twice', "remove one of them")
         return value
-
-    @property
-    def shipped(self) -> str:
-        """Name of the shipped model that the dynamics are of; "" if there is none."""
-        return self.model.kind if self.model.kind != CHAIN else ""
 
     @property
     def static(self) -> bool:

@@ -41,8 +41,6 @@ def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
 
 def _has_units(spec: Spec) -> bool:
     """Whether a file gives a unit to anything but the time, which has one by default."""
-    if spec.shipped:
-        return True
     for own in (spec, *spec.phases.values()):
         for group in ("parameters", "expressions", "tables", "states", "controls", "algebraic", "optimize"):
             for entry in getattr(own, group, {}).values():

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from ..expressions.delays import delay_of
 from ..expressions.expression import parse
 from ..expressions.tree import rate_of
-from ..models import find_model
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
 from ..names.variables import DeclaredState
@@ -18,7 +17,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .columns import sum_of_squares
 from .infer import Reader, Tables, Value
-from .measure import Measure, measured, pure, same
+from .measure import Measure, measured, pure
 
 
 class Term(NamedTuple):
@@ -85,17 +84,10 @@ class PhaseUnits:
     def _declared(self) -> dict[str, Value]:
         """The units of all names that have one."""
         spec, units = self.spec, dict[str, Value]()
-        model = find_model(spec.shipped) if spec.shipped else None
         for section in ("parameters", "expressions", "optimize"):
             for name, entry in getattr(spec, section).items():
                 if entry.unit:
                     units[name] = self.unit((section, name, "unit"), entry.unit)
-        for name, quantity in model.parameters.items() if model else ():
-            own, meant = units.get(name), measured(quantity.unit) if quantity.unit else None
-            if isinstance(own, Measure) and meant is not None and not same(own, meant):
-                self.reader.clash(
-                    ("parameters", name), f"the model asks for {name} {meant.told}, and it is {own.told}", own, meant
-                )
         for variable in (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic):
             if isinstance(variable, DeclaredState) and variable.velocity_of and not variable.entry.unit:
                 units[variable.name] = self._per_time(units[variable.velocity_of])

@@ -144,7 +144,7 @@ def stop_action(ax: Axes, result: Result, n_frames: int = 9, *, spread: float = 
     result: of a problem that has a drawing.
     n_frames: the number of poses.
     spread: metres by which each pose stands to the right of the one before; then no paths are drawn.
-    by_part: colours tell the parts of the body apart, and earlier poses are paler (Figure 13).
+    by_part: shapes keep their colours, which tell parts of a body apart; earlier poses are paler (Figure 13).
 
     Raises SpecError as `scene` does.
     """
@@ -179,20 +179,18 @@ def paint(
 
     A level ground is not faded, stays in its place and lies below all.
     """
-    own, dashes = PARTS.get(shape.role, (BLACK, "-"))
-    if shape.colour:
-        own = COLOURS[shape.colour]
-    colour = own if colour is None else colour
+    if colour is None:
+        colour = COLOURS[shape.colour] if shape.colour else PARTS[shape.role]
     style: dict[str, Any] = {"alpha": 1 - fade, "zorder": layer}
     match shape:
-        case Polyline(points=points):
+        case Polyline(points=points, dashed=dashed):
             x, y = np.array(points).T
             line: dict[str, Any] = {
                 "linewidth": 2.4,
                 "marker": "" if shape.role == "obstacle" else "o",
                 "markersize": 3.5,
                 "solid_capstyle": "round",
-                "linestyle": dashes,
+                "linestyle": "--" if dashed else "-",
             }
             return ax.plot(x + shift, y, color=colour, **line, **style)[0]
         case Rectangle(centre=(x, y), width=w, height=h, angle=angle):
@@ -237,7 +235,8 @@ def stop_action_figure(result: Result, n_frames: int) -> Figure:
     """A whole figure of `stop_action`. Raises SpecError as `scene` does."""
     with look():
         stage = scene(result)
-        by_part = any(shape.role == "torso" for shape in stage.at(stage.times[:1])[0].shapes)
+        shapes = stage.at(stage.times[:1])[0].shapes
+        by_part = len({shape.colour for shape in shapes if isinstance(shape, Polyline) and shape.colour}) > 1
         shades = ("pale", "full") if by_part else ("dark", "light")
         times = f"{stage.start:.4g} ({shades[0]}) to {stage.end:.4g} {result.phases[0].time_unit} ({shades[1]})"
         title = f"{result.problem}: {n_frames} poses, t = {times}"

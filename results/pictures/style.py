@@ -48,22 +48,8 @@ COLOURS = {
 
 TIME_COLOURS = "viridis"  # from blue and dark to yellow and light, as in the paper's Figure 9
 
-PARTS = {  # role of a shape -> colour and line style; those of the walker are the paper's
-    "cart": (BLUE, "-"),
-    "block": (BLUE, "-"),
-    "pole": (BLACK, "-"),
-    "tip": (VERMILION, "-"),
-    "bead": (VERMILION, "-"),
-    "ball": (VERMILION, "-"),
-    "post": (GREY, "-"),
-    "pivot": (GREY, "-"),
-    "stance leg": ("#C83C3C", "--"),
-    "swing leg": ("#3C3CC8", "-"),
-    "swing foot": ("#3C3CC8", "-"),
-    "torso": ("#A050A0", "-"),
-    "ground": ("#763E0C", "-"),
-    "obstacle": ("#B8B8B8", "-"),
-}
+PARTS = {"cart": BLUE, "pole": BLACK, "tip": VERMILION, "ground": "#763E0C", "obstacle": "#B8B8B8"}
+"""Role of a shape -> its colour, where the file gives none."""
 
 DPI = 150
 LETTER = 0.074  # inches, the mean width of a letter of a title

@@ -43,17 +43,18 @@ def _rounded(points: Any) -> list[list[float]]:
 
 def _plain(shape: Shape, mark: float) -> dict[str, Any]:
     """A shape as JSON; mark: the radius of a disc that has none."""
+    look = {"colour": shape.colour or shape.role}
     match shape:
-        case Polyline(role=role, points=points):
-            return {"kind": "line", "role": role, "points": _rounded(points)}
-        case Rectangle(role=role, angle=angle) if angle:
+        case Polyline(points=points, dashed=dashed):
+            return {"kind": "line", "points": _rounded(points), "dashed": dashed, **look}
+        case Rectangle(angle=angle) if angle:
             from ..pictures.animate import corners
 
             outline = corners(shape)
-            return {"kind": "line", "role": role, "points": _rounded([*outline, outline[0]])}
-        case Rectangle(role=role, centre=centre, width=width, height=height):
-            return {"kind": "box", "role": role, "centre": list(centre), "size": [width, height]}
-        case Circle(role=role, centre=centre, radius=radius):
-            return {"kind": "disc", "role": role, "centre": list(centre), "radius": radius or mark}
-        case Ground(height=height, role=role):
-            return {"kind": "ground", "role": role, "height": height}
+            return {"kind": "line", "points": _rounded([*outline, outline[0]]), "dashed": False, **look}
+        case Rectangle(centre=centre, width=width, height=height):
+            return {"kind": "box", "centre": list(centre), "size": [width, height], **look}
+        case Circle(centre=centre, radius=radius):
+            return {"kind": "disc", "centre": list(centre), "radius": radius or mark, **look}
+        case Ground(height=height):
+            return {"kind": "ground", "height": height, **look}

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...problems.expressions.tree import Number
 from ...problems.lean.records import dataclass
-from ...problems.models import find_model
 from ...problems.names.symbols import Symbols
 from ...problems.phases.merge import phase_specs
 from ...problems.problem import Problem
@@ -83,12 +82,8 @@ def _merged(alike: list[tuple[str, Fixed]], phases: int) -> Fixed:
 
 def _parameters(spec: Spec) -> Iterator[Fixed]:
     numbers = Symbols(spec).numbers
-    quantities = find_model(spec.shipped).parameters if spec.shipped else {}
     for name, parameter in spec.parameters.items():
-        of_model = quantities.get(name)
-        unit = parameter.unit or (of_model.unit if of_model else "")
-        note = parameter.note or (of_model.note if of_model else "")
-        yield Fixed("", name, numbers[name], _formula(parameter), unit, note)
+        yield Fixed("", name, numbers[name], _formula(parameter), parameter.unit, parameter.note)
 
 
 def _formula(parameter: Parameter) -> str:

@@ -1,12 +1,10 @@
-"""Chains against Lagrange's equations by SymPy, against files with the equations written out, and against the biped."""
+"""Chains against Lagrange's equations by SymPy, and against files with the equations written out."""
 
 import numpy as np
 import pytest
-from walker import LINKS, LOPSIDED, parameters
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
-from trajopt.problems.models import find_model
 
 from .lagrange import Link, Robot
 
@@ -164,59 +162,3 @@ def test_a_moving_tip_and_the_centre_of_mass(robot):
     assert robot.equations
     tip = [float(own.subs(dict(zip(robot.z, q, strict=True)))) for own in robot.tips[3]]
     assert [at(0.0, f"b3_{axis}") for axis in "xy"] == pytest.approx(tip, rel=1e-13)
-
-
-# -- the five-link biped of Kelly 2017 -------------------------------------------------------------------------------
-
-BIPED = """\
-model:
-  kind: chain
-  gravity: g
-  zero: up
-  links:
-    - {name: a, mass: m1, length: l1, com: l1 - d1, inertia: I1, motor: true}
-    - {name: b, mass: m2, length: l2, com: l2 - d2, inertia: I2, motor: true}
-    - {name: c, mass: m3, length: l3, com: d3, inertia: I3, motor: true}
-    - {name: d, parent: c, at: 0, mass: m4, length: l4, com: d4, inertia: I4, motor: true, zero: down}
-    - {name: e, mass: m5, length: l5, com: d5, inertia: I5, motor: true, zero: down}
-"""
-STEP = "  step: {foot: e, swap: [[a, e], [b, d]]}\n"
-CARRIED = np.triu(np.ones((5, 5)))
-"""(F.4)-(F.8) are about all that a joint carries: sums of the equations of the links."""
-
-
-def phase_of(table, step: str = ""):
-    given = parameters(table)
-    numbers = ", ".join(f"{name}: {value}" for name, value in given.items() if name != "step_length")
-    (phase,) = build(load_text(HEAD + f"parameters: {{{numbers}}}\n" + BIPED + step, "biped.yaml")).phases
-    return phase, find_model("five_link_biped").build(given)
-
-
-def test_the_biped_is_a_chain():
-    """M and C of single stance against the model in Python, no two links alike."""
-    phase, equations = phase_of(LOPSIDED)
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        q, dq, ddq, u = rng.uniform(-1.2, 1.2, (4, 5)) * np.array([[1], [5], [20], [60]])
-        torques = {f"u{i}": own for i, own in zip(LINKS, u, strict=True)}
-        chain = np.array([row.function(values_at(phase, q, dq, ddq) | torques, np) for row in phase.residuals])
-        names = [f"{name}{i}" for name in ("q", "dq", "ddq") for i in LINKS]
-        values = dict(zip(names, (*q, *dq, *ddq), strict=True)) | torques
-        known = np.array([balance(values, np) for balance in equations.residuals.values()])
-        assert -CARRIED @ chain == pytest.approx(known, rel=1e-11, abs=1e-10)
-
-
-def test_the_step_of_the_biped_is_that_of_the_paper():
-    """(F.9) and (F.11)-(F.15)."""
-    table = {key: (row[0], row[1], row[2], row[1], row[0]) for key, row in LOPSIDED.items()}
-    phase, equations = phase_of(table, STEP)
-    rng = np.random.default_rng(2)
-    names = [f"{name}{i}{end}" for end in ("[initial]", "[final]") for name in ("q", "dq") for i in LINKS]
-    for _ in range(20):
-        values = dict(zip(names, rng.uniform(-2, 2, 20), strict=True))
-        own = np.array([row.function(values, np) for row in phase.boundary])
-        known = {name: function(values, np) for name, (function, _) in equations.boundary.items()}
-        swaps = [value for name, value in known.items() if name.startswith("swap")]
-        strikes = [value for name, value in known.items() if name.startswith("heel")]
-        assert own[:5] == pytest.approx(swaps, rel=1e-12)
-        assert -CARRIED @ own[5:] == pytest.approx(strikes, rel=1e-11, abs=1e-11)

@@ -136,12 +136,12 @@ IN_A_PHASE = """\
 trajopt: 1
 time: {initial: 0}
 states: {v: {unit: m/s, rate: F/m, initial: 0}}
-parameters: {m: {value: 2, unit: kg}}
+parameters: {m: {value: 2, unit: kg}, w: {value: 1, unit: 1/(N^2*s)}}
 controls: {F: {unit: N}}
 phases:
   a: {time: {final: 3}, measurements: {r: {data: {time: [1, 2], f: [1, -1]}, deviations: 0.2, compare: {f: COMPARED}}}}
   b: {time: {final: 5}, states: {v: {final: 0}}}
-objective: {minimize: {integral: F**2}}
+objective: {minimize: {integral: w*F**2}}
 """
 
 

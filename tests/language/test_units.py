@@ -3,7 +3,6 @@
 import pytest
 from command_line import trajopt
 
-from trajopt.problems.catalog import find_problem
 from trajopt.problems.errors import SpecError
 from trajopt.problems.units.measure import MAX_LENGTH, alike, measured, same
 from trajopt.transcription.loading import load_yaml
@@ -158,12 +157,6 @@ def test_a_unit_that_is_none_is_a_warning():
 def test_all_mistakes_at_once():
     told = sentences(GOOD.replace("rate: v,", "rate: F,").replace("upper: m*g", "upper: nobody"))
     assert len(told) == 2 and "the rate of x" in told[0] and "nobody" in told[1]
-
-
-def test_a_model_says_what_the_units_of_its_parameters_are():
-    biped = find_problem("biped").read_text()
-    told = sentences(biped.replace("value: 3.2, unit: kg", "value: 3200, unit: g"))
-    assert len(told) == 1 and "the model asks for m1 in kg, and it is in g; multiply it by" in told[0]
 
 
 @pytest.mark.parametrize(

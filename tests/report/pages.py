@@ -28,7 +28,7 @@ SOLVES = {
     "unsolved": ("cartpole", "--segments", "5", "--set", "solver.max_iter=2"),
     "pendulum": ("pendulum", "--segments", "20"),  # no costates, no error bar
     "phases": ("schwartz_two_phase",),
-    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # a model's equations
+    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # a chain of links
     "hostile": ("hostile.yaml",),
 }
 

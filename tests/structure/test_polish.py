@@ -92,7 +92,7 @@ WHY_NOT = [
     ),
     ("hyperbola", "no continuous time"),
     ("discrete_move", "no continuous time"),
-    ("biped", "the model five_link_biped"),
+    ("biped", ""),
     (ONE + "complementarity: [{a: x, b: 1 - u}]\n", "complementarity"),
     ("block_move_min_work", "abs, min and max"),
     ("delayed_system", "states at earlier times"),

@@ -129,10 +129,8 @@ class _Phase:
         return Formula(inside.behind(sign).before(end).pieces, Binding.PRODUCT)
 
     def dynamics(self) -> Iterator[Equation | Formula]:
-        if self.spec.shipped:
-            yield Equation(words=f"Rates and residuals are those of the model {self.spec.shipped}.")
         for state in self.states:
-            if state.rate is not None and not state.implicit:
+            if not state.implicit:
                 rate = self.write.notation.formula(f"{state.name}[rate]")
                 yield write.related(EQUAL, rate, self.write(state.rate))
         for residual in self.spec.residuals:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.functions import FUNCTIONS
-from ...problems.expressions.tree import Chain, External, Lookup, Name, Node, Number, Operation
+from ...problems.expressions.tree import Chain, Lookup, Name, Node, Number, Operation
 from ...problems.quantities import Range
 from ...problems.schema.declarations import EndValue
 from ...problems.schema.fields import Bounded
@@ -120,9 +120,8 @@ class Writer:
                 return result
             case Operation(symbol=symbol, operands=operands):
                 return self.applied(symbol, list(map(self.node, operands)))
-            case Lookup() | External():
-                name = node.table if isinstance(node, Lookup) else "model"
-                return write.looked_up(name, list(map(self.node, node.operands)))
+            case Lookup(table=name, operands=operands):
+                return write.looked_up(name, list(map(self.node, operands)))
         raise TypeError(f"{type(node).__name__} is no node of an expression")
 
     def applied(self, symbol: str, operands: Sequence[Formula]) -> Formula:

@@ -2,8 +2,8 @@
 // Draws the shapes of a moment as SVG, and plays them in real time. Nothing moves until somebody asks for it.
 (() => {
   const film = DATA.film, SVG = "http://www.w3.org/2000/svg", MARGIN = 0.08;
-  const COLOURS = { cart: "state", block: "state", pole: "ink", tip: "control", bead: "control", ball: "control",
-                    "stance leg": "line7", "swing leg": "line5", "swing foot": "line5", torso: "costate", ground: "output" };
+  const COLOURS = { cart: "state", pole: "ink", tip: "control", ground: "output", black: "ink", orange: "output", sky: "path",
+                    green: "algebraic", blue: "state", vermilion: "control", purple: "costate" };
   const picture = document.querySelector("#film svg"), slider = document.getElementById("moment");
   const clock = document.getElementById("clock"), button = document.getElementById("play");
   const [[left, bottom], [right, top]] = film.box;
@@ -19,9 +19,10 @@
   const joined = (points) => points.map(([x, y]) => `${x},${-y}`).join(" ");
 
   function drawn(shape) {
-    const colour = `var(--${COLOURS[shape.role] || "quiet"})`;
+    const colour = `var(--${COLOURS[shape.colour] || "quiet"})`;
     if (shape.kind === "line")
-      return element("polyline", { points: joined(shape.points), fill: "none", style: `stroke: ${colour}`, "stroke-width": thin, "stroke-linecap": "round", "stroke-linejoin": "round" });
+      return element("polyline", { points: joined(shape.points), fill: "none", style: `stroke: ${colour}`, "stroke-width": thin, "stroke-linecap": "round", "stroke-linejoin": "round",
+                                     "stroke-dasharray": shape.dashed ? `${2 * thin} ${2 * thin}` : "none" });
     if (shape.kind === "box") {
       const [x, y] = shape.centre, [w, h] = shape.size;
       return element("rect", { x: x - w / 2, y: -y - h / 2, width: w, height: h, style: `fill: ${colour}` });

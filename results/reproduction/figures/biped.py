@@ -13,13 +13,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ....problems.models.five_link_biped import LINKS, Motion, Walker, combine
 from ...pictures.animate import stop_action
 from ...pictures.error_plots import draw_error
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION
 from .example import Example, Picture, Run, Solutions, SolvedRun, draw, grid, largest, name_time, objectives, peak
 
 TABLE, SUPPLEMENT = "biped", "biped_supplement"
+LINKS = range(1, 6)
+TIPS = ("stance_tibia", "stance_femur", "torso", "swing_femur", "swing_tibia")
+"""The links whose tips are P1 to P5."""
+
+JOINTS = (0, 1, 2, 2, 4)
+"""The numbers of the points that the links begin at."""
+
 POSES = 10
 SPREAD = 0.3
 """Metres by which each pose of Figure 13 stands to the right of the one before, so that legs do not hide legs."""
@@ -81,9 +87,7 @@ def _measure(step: SolvedRun) -> dict[str, float]:
 
 def _foot_height(step: SolvedRun) -> np.ndarray:
     """The height of P5 on the dense grid, m."""
-    _, parameters = step.result.build()
-    walker, values = Walker.of(parameters), {f"q{i}": step.curve(f"q{i}").dense for i in LINKS}
-    return combine(walker.P[5], Motion(values, np).e).y
+    return step.curve("swing_tibia_y").dense
 
 
 def poses(walker: str, solved: Solutions) -> Figure:
@@ -120,9 +124,11 @@ def kinematics(solved: Solutions) -> Figure:
     step = solved[TABLE]
     _, parameters = step.result.build()
     start, end = step.phase.knots[[0, -1]]
-    angles = step.phase.values("state", np.array([start + POSE_TIME * (end - start)]))
-    walker, e = Walker.of(parameters), Motion({name: float(value[0]) for name, value in angles.items()}, np).e
-    P, G = (np.array([combine(reach, e) for reach in reaches], float) for reaches in (walker.P, walker.G))
+    places = step.phase.values("output", np.array([start + POSE_TIME * (end - start)]))
+    P = np.array([[0.0, 0.0], *([float(places[f"{tip}_{axis}"][0]) for axis in "xy"] for tip in TIPS)])
+    length, d = (np.array([parameters[f"{name}{i}"] for i in LINKS]) for name in "ld")
+    part = np.where(np.arange(5) < 2, 1 - d / length, d / length)  # d of the stance leg is from the upper end
+    G = P[list(JOINTS)] + part[:, None] * (P[1:] - P[list(JOINTS)])
     figure, ((ax,),) = grid([5.0], 1, 3.4)
     for chain in ([0, 1, 2, 3], [2, 4, 5]):
         ax.plot(*P[chain].T, color=GREY, linewidth=5, alpha=0.6, solid_capstyle="round", zorder=1)
@@ -157,7 +163,7 @@ def _pictures(walker: str, suffix: str, which: str) -> tuple[Picture, ...]:
             f"Figure 13{suffix}. One step as a stop-action picture, {which}",
             f"{POSES} poses at equal steps of time, from left to right; earlier ones are paler, and each stands "
             f"{SPREAD:g} m further to the right than it would, so that legs do not hide legs. The stance leg is "
-            f"dashed and red, the swing leg blue, the torso purple. Hermite-Simpson collocation, first 5 segments "
+            f"dashed and orange, the swing leg blue, the torso purple. Hermite-Simpson collocation, first 5 segments "
             f"with tolerance 1e-3, then 25 with 1e-6: {{{walker}}}. {_PAPER}.",
             partial(poses, walker),
         ),
