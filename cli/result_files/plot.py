@@ -13,7 +13,7 @@ from ...problems.errors import FileError, Mistake, SpecError
 from ..errors import command
 from ..options import Force, Picture, Results
 from ..output.printing import one_line
-from .targets import PICTURES, targets_of
+from .targets import PICTURES, folder_of, targets_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,8 +98,8 @@ def _draw_together(
         what = "two names are drawn against each other, and nothing else"
         raise SpecError(Mistake(f"--xy {xy}", what, f"leave out {' and '.join(others)}"))
     default = "overlay.png" if len(results) > 1 else f"{results[0].stem}-xy.png"
-    folder = output is not None and Path(output).is_dir()
-    path = Path(output or "", default) if folder or output is None else Path(output)
+    folder = folder_of(output)
+    path = folder / default if folder is not None else Path(str(output))
 
     from ...results.file.read import read
     from ...results.pictures.overlay import overlay_figure, plane_figure
@@ -158,7 +158,11 @@ def _bounds(result: Result) -> dict:
 
 
 def _broken(result: Result, bounds: dict) -> dict:
-    """What a check says does not hold; nothing where there are no bounds."""
+    """What a check says does not hold; if a damaged file does not let it be looked at, that is said."""
     from ...results.audit.broken import broken_bounds
 
-    return broken_bounds(result, bounds) if bounds else {}
+    try:
+        return broken_bounds(result, bounds) if bounds else {}
+    except FileError as error:
+        print(f"warning: {one_line(str(error))}; its bounds are looked at in its points only", file=sys.stderr)
+        return {}

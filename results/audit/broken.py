@@ -41,8 +41,11 @@ def _any_exceeded(result: Result, bounds: Mapping[str, Mapping[str, Range]]) -> 
 
 
 def _failing(path: Path) -> dict[str, frozenset[str]]:
-    found = {}
-    for trajectory in reload(path).trajectories:
+    found: dict[str, frozenset[str]] = {}
+    whole = reload(path)
+    if not np.isfinite(whole.outcome.z).all():  # as `verify`, which looks at nothing else then
+        return found
+    for trajectory in whole.trajectories:
         if trajectory.phase.exact:  # which has nothing between its points
             continue
         names = _names(trajectory.phase)

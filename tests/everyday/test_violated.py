@@ -78,6 +78,31 @@ def test_a_spike_does_not_set_the_axis_of_an_overlay(results):
     assert ax.get_ylim()[1] <= points.max() + 0.6
 
 
+@pytest.mark.parametrize(
+    ("arguments", "target"), [(("--xy", "x,y"), "new/wall-xy.png"), (("--only", "a"), "of/it/wall.png")]
+)
+def test_a_folder_is_made(results, folder, arguments, target):
+    run = trajopt("plot", results["wall"], *arguments, "-o", f"{target.rpartition('/')[0]}/")
+    assert (run.exit_code, run.stdout) == (0, f"{target}\n") and (folder / target).exists()
+    both = trajopt("plot", results["wall"], results["grazed"], "-o", "both/")
+    assert (both.exit_code, both.stdout) == (0, "both/overlay.png\n")
+    for names in ((results["wall"], *arguments), (results["wall"], results["grazed"])):
+        refused = trajopt("plot", *names, "-o", "-")
+        assert refused.exit_code == 2 and "which standard output cannot hold" in refused.stderr
+
+
+def test_a_result_that_is_damaged_is_drawn_all_the_same(results, folder):
+    import h5py
+
+    copy = folder / "damaged.h5"
+    copy.write_bytes(results["wall"].read_bytes())
+    with h5py.File(copy, "a") as file:
+        z = file["solver/z"][:]
+        z[:] = float("nan")
+        file["solver/z"][:] = z
+    assert trajopt("plot", copy, "-o", "damaged.png").exit_code == 0
+
+
 def test_the_command_tells_it(results, tmp_path):
     for names in (["wall"], ["wall", "grazed"]):
         target = tmp_path / f"{len(names)}.svg"
