@@ -71,11 +71,11 @@ def load_text(
     overrides, methods, options, more: as `load` takes them.
     folder: that the CSV files of its tables are in; None if it may have none.
     """
-    document, numbers, overrides, (mistaken, counted) = without_loops(read_document(text, file), overrides)
+    document, numbers, overrides, repeated = without_loops(read_document(text, file), overrides)
     write_conditions(document.data, is_static(document.data))
     document, given, overrides, made = without_vectors(document, overrides, numbers)
-    data, locations, early = written_out(document, file, overrides, given, made)
-    early += [*mistaken, *made.findings]
+    data, locations, early = written_out(document, file, overrides, given, made, repeated)
+    early += [*repeated.findings, *made.findings]
     if options and isinstance(data.get("solver"), dict):
         early += refused_options(data["solver"], options, {str(finding.path[-1]) for finding in early})
     context = {"methods": tuple(methods), CALLED: called_names(data)}
@@ -90,7 +90,7 @@ def load_text(
     errors, warnings = _checked(spec, early, more)
     if errors or early:
         raise SpecError(locations.mistakes(early + errors))
-    unused = {("parameters", name) for name in counted | made.counted}
+    unused = {("parameters", name) for name in repeated.counted | made.counted}
     told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or "nowhere" not in w.what]
     return spec.attach(text, locations, told)
 

@@ -9,7 +9,7 @@ of its template, so that mistakes in it are told there.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isclose
 from typing import Any, NamedTuple
 
@@ -19,6 +19,7 @@ from ..expressions.tokens import ExpressionError
 from ..text import brief, did_you_mean
 from ..yaml.document import MAX_NODES, Path, in_words
 from ..yaml.locations import Finding
+from .templates import OfTemplates, Repeat
 
 FOR = "for"
 MOST = 10_000
@@ -36,12 +37,13 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 class Expanded(NamedTuple):
     """data: without templates. lines: path -> line of what it was made of. findings: mistakes in templates. counted:
-    parameters that templates go by."""
+    parameters that templates go by. of_templates: says of a template what is found of all that it made."""
 
     data: dict[str, Any]
     lines: dict[Path, int]
-    findings: list[Finding]
-    counted: frozenset[str]
+    findings: Sequence[Finding] = ()
+    counted: frozenset[str] = frozenset()
+    of_templates: Callable[[list[Finding]], list[Finding]] = list
 
 
 class Mistaken(Exception):  # noqa: N818 - it ends the writing out of one entry
@@ -74,7 +76,8 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     new = expander.mapping(data, (), (), {})
     texts = " ".join(_texts(data))
     counted = expander.numbers.keys() & {*_NAME.findall(texts)}
-    return Expanded(new, {**lines, **expander.lines}, expander.findings, frozenset(counted))
+    told = OfTemplates(expander.repeats, expander.filled)
+    return Expanded(new, {**lines, **expander.lines}, expander.findings, frozenset(counted), told)
 
 
 def _texts(node: Any) -> Iterator[str]:
@@ -110,8 +113,11 @@ class _Expander:
         self.lines: dict[Path, int] = {}
         self.findings: list[Finding] = []
         self.made = 0
+        self.repeats: dict[Path, Repeat] = {}
 
     def value(self, node: Any, old: Path, new: Path, values: Values) -> Any:
+        if values:
+            self.repeats[new] = Repeat(old, values, node if isinstance(node, str) else "")
         if isinstance(node, str):
             return self._or_told(old, "0" if _SUM.search(node) else node, lambda: self._text(node, values))
         if isinstance(node, list):
@@ -155,6 +161,13 @@ class _Expander:
         here = (*new, name)
         self._told_at(here, place)
         entries[name] = self.value(_without_for(value), place, here, at)
+
+    def filled(self, text: str, values: Values) -> str:
+        """A text as it was made; of a mistaken one, of which is told, nothing."""
+        try:
+            return _filled(text, values, self.numbers)
+        except Mistaken:
+            return ""
 
     def _told_at(self, new: Path, old: Path) -> None:
         self.made += 1

@@ -30,21 +30,21 @@ from .options import unsafe_options
 
 def without_loops(
     document: Document, overrides: Sequence[str]
-) -> tuple[Document, dict[Place, str], Sequence[str], tuple[list[Finding], frozenset[str]]]:
+) -> tuple[Document, dict[Place, str], Sequence[str], loops.Expanded]:
     """The document with its templates written out, by parameters that are overridden before.
 
     document: as it is written.
     overrides: "PATH=VALUE" each.
 
-    Also the paths of these, the overrides that remain, the mistakes in templates, and the parameters that these go by.
+    Also the paths of these, the overrides that remain, and what else there is to know of what is made.
     """
     if not loops.has_loops(document.data):
-        return document, {}, overrides, ([], frozenset())
+        return document, {}, overrides, loops.Expanded(document.data, document.lines)
     numbers = [text for text in overrides if text.strip().startswith("parameters.")]
     data, given = override(document, numbers)
     expanded = loops.written_out(data, document.lines)
     rest = [text for text in overrides if text not in numbers]
-    return Document(expanded.data, expanded.lines, document.blocks), given, rest, (expanded.findings, expanded.counted)
+    return Document(expanded.data, expanded.lines, document.blocks), given, rest, expanded
 
 
 def without_vectors(
@@ -69,7 +69,12 @@ def without_vectors(
 
 
 def written_out(
-    document: Document, file: str, overrides: Sequence[str], before: dict[Place, str], made: vectors.WrittenOut
+    document: Document,
+    file: str,
+    overrides: Sequence[str],
+    before: dict[Place, str],
+    made: vectors.WrittenOut,
+    repeated: loops.Expanded,
 ) -> tuple[dict[str, Any], Locations, list[Finding]]:
     """The data of a file as the schema knows it: overrides applied, short forms written out, what is left out chosen.
 
@@ -78,6 +83,7 @@ def written_out(
     overrides: that remain.
     before: the overrides that templates and vectors were made by.
     made: of vectors.
+    repeated: of templates.
 
     Also where each value was given, and what is wrong so far.
     """
@@ -98,7 +104,9 @@ def written_out(
     wrong += mistaken
     origin = {**made.origin, **{path: path for path in given}}
     short = of_chain | write_out(data)
-    locations = Locations(file, document.lines, before | given, document.blocks, short, origin, made.in_words)
+    locations = Locations(
+        file, document.lines, before | given, document.blocks, short, origin, made.in_words, repeated.of_templates
+    )
     data.setdefault("name", printable(Path(file).stem))
     early = wrong + unsafe_options(data.get("solver"), locations)
     measured_objective(data)

@@ -137,6 +137,9 @@ class _Walk:
                 what = (
                     f"{self.quoted(right)} is {b.told}, and cannot be added to {self.quoted(left)}, which is {a.told}"
                 )
+                short, long = sorted((left, right), key=lambda own: own.stop - own.start)
+                if long.start <= short.start and short.stop <= long.stop:  # in a function that is called there
+                    what = f"{self.quoted(long)} adds what is {b.told} to what is {a.told}"
                 self.found(what, mended(b, a))
                 return None
             return Measure(a.quantity, a.text or b.text, a.numeric or b.numeric, a.clock or b.clock)

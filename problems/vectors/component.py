@@ -13,11 +13,11 @@ from ..names.symbols import UNKNOWN
 from ..text import tidy
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
+from ..yaml.told import Made
 from .algebra import Scalar, Shape, Value, as_vector, in_words, indexed, shape_of
 from .parsed import names_in
 from .reader import evaluate
 from .scope import DEFINED, RATES, Names
-from .told import Made
 
 KEPT = frozenset({"except", "note", "source", "file", "color", "from", "to", "relax", "name", "fill", "unit"})
 """Keys whose values are no expressions, and go with every component."""

@@ -21,11 +21,11 @@ from ..language.loops import Mistaken, whole_numbers
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
+from ..yaml.told import InWords, Made, Named
 from .algebra import Scalar, Shape, each, in_words, indexed, shape_of
 from .component import KEPT, MISTAKEN, Component, Filler, each_of
 from .reader import OWN
 from .scope import DECLARED, DEFINED, RATES, Names, entries_of
-from .told import InWords, Made, Named
 
 _ITEMS = {"residuals": ("expression",), "links": ("expression",), "complementarity": ("a", "b")}
 """Lists of what holds -> the keys of their expressions."""

@@ -32,6 +32,7 @@ class Locations:
     short: path of what was written out from a short form -> the path at which that stands.
     made: path of a component of a vector, before short forms were written out -> that of the vector.
     in_words: puts findings at such paths in the words of the file.
+    of_templates: the same of what templates made.
     """
 
     file: str
@@ -41,6 +42,7 @@ class Locations:
     short: Mapping[Path, Path] = field(default_factory=dict)
     made: Mapping[Path, Path] = field(default_factory=dict)
     in_words: Callable[[list[Finding]], list[Finding]] = list
+    of_templates: Callable[[list[Finding]], list[Finding]] = list
 
     def mistakes(self, findings: Iterable[Finding]) -> tuple[Mistake, ...]:
         """Each finding once, in the order of lines, those of overrides last; not more than a person wants to read.
@@ -52,7 +54,9 @@ class Locations:
         longer = [own._replace(path=_of(self.short, own.path)) for own in findings]
         paths = [(finding, _of(self.made, finding.path)) for finding in self.in_words(longer)]
         written = [own._replace(path=path) for own, path in paths if first.setdefault(path, own.path) == own.path]
-        ordered = self._of_loops(sorted(dict.fromkeys(written), key=lambda finding: self._line(finding.path)))
+        ordered = self._of_loops(
+            sorted(dict.fromkeys(self.of_templates(written)), key=lambda finding: self._line(finding.path))
+        )
         located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))

@@ -19,6 +19,15 @@ _NAMED = frozenset(
 )
 _SECTIONS = frozenset(["time", "objective", "constraints", "guess", "refine", "mesh", "solver", "reference"])
 _DECIMAL = re.compile(r"-?\d+(,\d+)?")
+_KEYS = {
+    "states": "rate, initial, final or lower",
+    "controls": "lower or upper",
+    "algebraic": "lower or upper",
+    "optimize": "lower, upper or guess",
+    "tables": "values or outside",
+    "phases": "parameters.NAME or time.final",
+}
+"""Section of names -> what a name in it may have for its value."""
 _OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model: need not repeat their names
 
 
@@ -116,7 +125,7 @@ def _paths(data: dict[str, Any], shown: str, where: str) -> Iterator[Path]:
 def _check_section(data: dict[str, Any], shown: str, value: str, where: str) -> None:
     """Refuse a path that leaves out the section of its name: m=2 for parameters.m=2.
 
-    What is a number to be found has no value of its own, and a control has bounds.
+    A number of the file has a value; what is to be found has bounds, and ends.
     """
     first, _, rest = shown.partition(".")
     section = _section_of(data, first)
@@ -125,10 +134,9 @@ def _check_section(data: dict[str, Any], shown: str, value: str, where: str) -> 
     number = bool(_DECIMAL.fullmatch(value.strip())) and section == "parameters" and not rest
     meant = value.strip().replace(",", ".") if number else value.strip()
     what = f"{first} is one of the {section}"
-    if section in ("parameters", "expressions") or rest:
+    if section in ("parameters", "expressions", "integrals") or rest:
         raise SpecError(Mistake(where, what, f"write --set {section}.{shown}={meant}"))
-    keys = "rate, initial or lower" if section == "states" else "value" if section == "tables" else "lower or upper"
-    raise SpecError(Mistake(where, what, f"write --set {section}.{shown}.KEY=..., where KEY is {keys}"))
+    raise SpecError(Mistake(where, what, f"write --set {section}.{shown}.KEY=..., where KEY is {_KEYS[section]}"))
 
 
 def _section_of(data: dict[str, Any], name: str) -> str | None:

@@ -4,6 +4,8 @@ import pytest
 from command_line import trajopt
 
 from trajopt.problems.errors import SpecError
+from trajopt.problems.load import load_text
+from trajopt.problems.units.check import check_units
 from trajopt.problems.units.measure import MAX_LENGTH, alike, measured, same
 from trajopt.transcription.loading import load_yaml
 
@@ -256,3 +258,26 @@ def test_pairs_have_units():
     ):
         (told,) = sentences(CONTACT.replace(old, new))
         assert told.startswith(f"file.yaml:8: {place}: ")
+
+
+@pytest.mark.parametrize(
+    ("body", "call", "says"),
+    [
+        ("k*w + m", "drag(x)", '"drag(x)" adds what is in kg to what is in N'),
+        ("w - m/k", "drag(x*k)", '"drag(x*k)" adds what is'),
+        ("hypot(k*w, m)", "drag(x)", '"drag(x)" adds what is in kg to what is in N'),
+    ],
+)
+def test_what_a_function_adds_is_told_of_its_call(body, call, says):
+    text = f"""\
+trajopt: 1
+parameters: {{m: {{value: 2, unit: kg}}, k: {{value: 3, unit: N/m}}}}
+expressions: {{drag(w): "{body}"}}
+time: {{initial: 0, final: 1}}
+states: {{x: {{unit: m, rate: v}}, v: {{unit: m/s, rate: "(u - {call})/m"}}}}
+controls: {{u: {{unit: N}}}}
+objective: {{minimize: {{integral: u**2}}}}
+"""
+    with pytest.raises(SpecError) as error:
+        load_text(text, "x.yaml", more=check_units)
+    assert any(str(own).startswith(f"x.yaml:5: states.v.rate: {says}") for own in error.value.mistakes), error.value

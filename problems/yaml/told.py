@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from ..lean.records import dataclass
 from ..text import shorten
-from ..yaml.document import Path
-from ..yaml.locations import Finding
+from .document import Path
+from .locations import Finding
 
 LONGEST = 120
 """Characters of an expression in a message."""
@@ -107,7 +107,7 @@ class InWords:
 
     def _text(self, said: str, path: Path, index: Index | None) -> str:
         made, written = self.texts.get(path, ("", ""))
-        said = _QUOTED.sub(lambda found: _quoted(found, made, written), said)
+        said = with_quotes(said, made, written)
         said = _LISTED.sub(lambda found: self._together(found[0].split(", ")), said)
         return _NAME.sub(lambda found: self._name(found[0], index), said)
 
@@ -139,6 +139,16 @@ class InWords:
 
 def _is_unused(own: Finding) -> bool:
     return own.path[:1] == ("parameters",) and own.what.endswith("is used nowhere")
+
+
+def with_quotes(said: str, made: str, written: str) -> str:
+    """A sentence with what it quotes of an expression as the file has that.
+
+    said: the sentence.
+    made: the expression, which was made of that of the file.
+    written: of the file.
+    """
+    return _QUOTED.sub(lambda found: _quoted(found, made, written), said)
 
 
 def _quoted(found: re.Match[str], made: str, written: str) -> str:
