@@ -14,6 +14,7 @@ from hostile.files import OLD, Bad, always, bad_files, good_results
 from hostile.objects import ANY, ARRAYS, SECRET
 from hostile.processes import preload
 
+import trajopt
 from trajopt.problems.errors import FileError
 from trajopt.results.file.door import open_result
 from trajopt.results.file.guess import lacking
@@ -85,6 +86,8 @@ def damaged(result, place, damage):
         ("phase/main/points/time", "group", "/phase/main/points/time: it is no array"),
         ("phase/main/dense/state/x", "shorter", "/phase/main/dense/state/x: it has"),
         ("phase/main/error/eta", "single", "/phase/main/error/eta: it has 0 axes, not 2"),
+        ("phase/main/error/eta", "negative", "/phase/main/error/eta: its values are not between 0 and inf"),
+        ("phase/main/error/relative", "negative", "/phase/main/error/relative: its values are not between 0 and inf"),
         ("phase/main/knots", "nan", "/phase/main/knots: not all of its values are finite"),
         ("sensitivity/value", "all nan", "/sensitivity/value: not all of its values are finite"),
         ("mesh/0/edges", "reversed", "/mesh/0/edges: its values do not rise"),
@@ -123,6 +126,26 @@ def test_no_byte_of_another_file_is_shown(result):
     damaged(result, "solver/iterations/mode", outside)
     with pytest.raises(FileError, match="its values are in another file"):
         summarize(result)
+
+
+@pytest.mark.parametrize("steering", ["\\u001b[31m", "\\u0007", "\\u009b2J"])
+def test_nothing_that_python_raises_steers_a_terminal(result, steering):
+    with_problem(lambda text: text.replace('"rate":"v"', f'"rate":"{steering}"'))(result)
+    with pytest.raises(FileError) as caught:
+        trajopt.read(result)
+    assert str(caught.value).isprintable()
+
+
+def test_phases_of_another_name(tmp_path):
+    """`animate` and `report` look for the drawing of a phase that the problem does not have."""
+
+    def renamed(path):
+        with h5py.File(path, "r+") as file:
+            file.move("phase/main", "phase/other")
+
+    drawn = good_results(tmp_path, ["refined"])
+    bad = [Bad(drawn[0], "a phase renamed", renamed)]
+    assert ended_badly(bad, drawn, tmp_path, ["animate", "report"]) == []
 
 
 @pytest.mark.parametrize("place", ["phase/main/dense/state/x", "solver/z", "phase/main/error/eta"])

@@ -174,7 +174,10 @@ def _check_texts(array: h5py.Dataset, declared: Array, scope: Scope, where: str)
 
 
 def _check_values(array: h5py.Dataset, declared: Array, where: str) -> None:
-    values = array[()]
+    try:
+        values = array[()]
+    except OSError as error:
+        raise LayoutError(where, "its values cannot be read") from error
     if declared.limits and ((values < declared.limits[0]) | (values > declared.limits[1])).any():
         raise LayoutError(where, f"its values are not between {declared.limits[0]} and {declared.limits[1]}")
     if (declared.ordered or declared.finite) and not np.isfinite(values).all():
