@@ -23,28 +23,28 @@ from .moments import runs as of_moments
 from .processes import Count, Run, preload
 
 
-def results(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+def results(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     sources = good_results(folder, told.sources)
     preload()
     bad = chain(always(sources[0]), bad_files(sources, told.files, told.seed))
-    yield from (runs for _, runs in campaign(bad, sources[0], folder, told.commands))
+    yield from (runs for _, runs in campaign(bad, sources[0], folder, told.commands, count.unmade))
 
 
-def problems(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+def problems(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     preload()
     for text in islice(problem_files.texts(told.files, told.seed), told.skip, None):
         yield problem_files.runs(text, folder)
 
 
-def moments(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+def moments(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in of_moments(told.files, told.seed, folder))
 
 
-def disks(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+def disks(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in of_disks(CASES[: told.files], folder))
 
 
-def full(told: argparse.Namespace, folder: Path) -> Iterator[Iterator[Run]]:
+def full(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in islice(of_full_disks(folder), told.files))
 
 
@@ -86,7 +86,7 @@ def main() -> int:
     told.files = told.files or usual
     start, count = time.monotonic(), Count()
     with tempfile.TemporaryDirectory() as name:
-        for runs in make(told, Path(name)):
+        for runs in make(told, Path(name), count):
             count.files += 1
             for run in runs:
                 count.add(run)
@@ -99,6 +99,8 @@ def main() -> int:
                 break
     print(f"\n{told.kind}: {count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
     print("exit codes:", ", ".join(f"{code}: {n}" for code, n in sorted(count.codes.items())))
+    if count.unmade:
+        print(f"could not be made: {len(count.unmade)}: {', '.join(count.unmade)}"[:2000])
     print(f"ended badly: {len(count.faults)}")
     return int(bool(count.faults))
 

@@ -33,7 +33,11 @@ COMMANDS = {
 
 
 def campaign(
-    bad: Iterable[Bad], good: Path, folder: Path, commands: Iterable[str] = COMMANDS
+    bad: Iterable[Bad],
+    good: Path,
+    folder: Path,
+    commands: Iterable[str] = COMMANDS,
+    unmade: list[str] | None = None,
 ) -> Iterator[tuple[Bad, Iterator[Run]]]:
     """Make each file in the folder, with the runs of each command on it, to be gone through before the next file.
 
@@ -41,6 +45,7 @@ def campaign(
     good: a good result, to compare with.
     folder: to work in.
     commands: names in COMMANDS.
+    unmade: gets the names of files that cannot be made, as a text of 64 kB in an old attribute.
     """
     (folder / "tiny.yaml").write_text(TINY)
     for own in bad:
@@ -50,7 +55,9 @@ def campaign(
         try:
             own.damage(path)
         except (RuntimeError, ValueError, TypeError, KeyError, OSError, IndexError):
-            continue  # what cannot be made, as a text of 64 kB in an old attribute
+            if unmade is not None:
+                unmade.append(own.name)
+            continue
         yield own, (_run(name, own.name, good, folder) for name in commands)
 
 

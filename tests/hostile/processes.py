@@ -71,6 +71,7 @@ class Count:
 
     files: int = 0
     runs: int = 0
+    unmade: list[str] = field(default_factory=list)
     codes: Counter[int] = field(default_factory=Counter)
     faults: list[Run] = field(default_factory=list)
 
