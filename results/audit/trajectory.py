@@ -19,8 +19,8 @@ RELAXED = 1.1
 """Times what a product may be, which the engine holds to its tolerance."""
 
 RTOL, ATOL = 1e-10, 1e-12
-MOST_EVALUATIONS = 30_000
-"""Of the dynamics in one segment; a segment of a good mesh takes some hundreds, a singularity any number."""
+MOST_EVALUATIONS = 10_000
+"""Of the dynamics in one segment; the library takes 290 at most, a singularity any number."""
 
 CLAIMED, UNSTABLE = 10.0, 1e3
 """CLAIMED: what a simulated segment may deviate by, in eta as the result claims it, times the growth of errors in it.
