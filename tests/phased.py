@@ -1,7 +1,10 @@
 """A move of the double integrator in phases."""
 
+from pathlib import Path
+
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
+from trajopt.results.file.write import image_of
 from trajopt.transcription.settings import schedule_of, settings_of
 from trajopt.transcription.solve import solve
 
@@ -33,3 +36,9 @@ def solved(text: str, *overrides: str, **options):
     solution = solve(build(spec), schedule_of(spec), options.pop("settings", settings_of(spec)), **options)
     assert solution.solved, solution.status
     return solution
+
+
+def written(solution, spec, folder) -> Path:
+    path = folder / "a.h5"
+    path.write_bytes(image_of(solution, spec.text, spec.model_dump_json(), "test"))
+    return path

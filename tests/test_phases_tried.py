@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_phases import CURVE, MOVE, loaded, solved, written
+from phased import CURVE, MOVE, loaded, solved, written
 
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError

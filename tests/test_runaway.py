@@ -51,15 +51,15 @@ def named_dependent(extra: str) -> str:
 
 
 def test_equations_that_say_the_same_thing():
-    twice = "{name: one, expression: 'x[final]', equals: 1}, {name: two, expression: '2*x[final]', equals: 2}"
-    words = named_dependent(f"constraints: {{boundary: [{twice}]}}")
+    twice = "{name: one, expression: x, equals: 0.4}, {name: two, expression: 2*x, equals: 0.8}"
+    words = named_dependent(f"constraints: {{integral: [{twice}]}}")
     assert words.startswith("these say the same thing")
-    assert "boundary constraint 'one'" in words or "boundary constraint 'two'" in words
+    assert "integral constraint 'one'" in words or "integral constraint 'two'" in words
 
 
 def test_a_constraint_that_the_ends_imply():
-    words = named_dependent("constraints: {boundary: [{name: sum, expression: 'x[final] + v[final]', equals: 1}]}")
-    for part in ("boundary constraint 'sum'", "the final value of x", "the final value of v"):
+    words = named_dependent("constraints: {integral: [{name: sum, expression: u, equals: 0}]}")
+    for part in ("integral constraint 'sum'", "value of v"):
         assert part in words
 
 

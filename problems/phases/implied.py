@@ -66,7 +66,7 @@ def _final_values(phase: Phase) -> list[str]:
     matrix = np.vstack([f, *(x[i] * f[j] + x[j] * f[i] for i, j in pairs)]).T
     if not np.isfinite(matrix).all():
         return []
-    kept = _null_space(matrix)
+    kept = _kept(matrix)
     first, last = (np.array([getattr(state, end).lower for state in given]) for end in ("initial", "final"))
     if any(abs(_value(g, pairs, last) - _value(g, pairs, first)) > MET * (1 + np.abs(last).max() ** 2) for g in kept.T):
         return []  # the final values contradict the dynamics
@@ -85,6 +85,17 @@ def _spread(names: int, samples: int) -> np.ndarray:
 
 def _value(g: np.ndarray, pairs: Sequence[tuple[int, int]], x: np.ndarray) -> float:
     return float(g @ np.concatenate([x, [x[i] * x[j] for i, j in pairs]]))
+
+
+def _kept(matrix: np.ndarray) -> np.ndarray:
+    """The combinations of columns that are zero, each of length 1, by columns.
+
+    Columns are taken relative to their size, which depends on units: a rate of 1e-6 is not one of zero.
+    """
+    sizes = np.abs(matrix).max(axis=0)
+    sizes[sizes == 0] = 1.0
+    kept = _null_space(matrix / sizes) / sizes[:, None]
+    return kept / np.linalg.norm(kept, axis=0)
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:

@@ -5,8 +5,6 @@ What is not declared is never opened. The words are those of `words`.
 
 from __future__ import annotations
 
-from math import inf
-
 from ...transcription.engines.outcome import Status
 from .words import FLAG, NUMBER, OPTION, TEXT, TEXTS, WHOLE, Array, Attribute, Each, Group, Size
 
@@ -107,8 +105,8 @@ PHASE = Group({
         {
             "segment": Array(WHOLE, (SEGMENTS,)),
             "state": Array(TEXT, (STATES,), names="states"),
-            "eta": Array(NUMBER, (SEGMENTS, STATES), limits=(0, inf)),
-            "relative": Array(NUMBER, (SEGMENTS,), optional=True, limits=(0, inf)),  # older ones lack it and the next
+            "eta": Array(NUMBER, (SEGMENTS, STATES)),
+            "relative": Array(NUMBER, (SEGMENTS,), optional=True),  # older ones lack it and the next
             "excess": Array(NUMBER, (SEGMENTS,), optional=True),
             "objective": Array(NUMBER, (SEGMENTS,), optional=True),  # where there is an error bar
         },

@@ -82,7 +82,7 @@ def _logarithmic(ax: Axes, values: np.ndarray) -> None:
     """A logarithmic axis for values that are not negative, over DECADES at most; a plain one where all are zero."""
     positive = values[np.isfinite(values) & (values > 0)]
     if not len(positive):
-        ax.set_ylim(bottom=0)
+        ax.set_ylim(0, 1)
         ax.yaxis.set_major_formatter(Numbers())
         return
     top = float(positive.max())

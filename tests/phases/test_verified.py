@@ -1,14 +1,11 @@
 """Results of phases, read back and verified."""
 
-from pathlib import Path
-
 import h5py
 import numpy as np
-from phased import MOVE, loaded
+from phased import MOVE, loaded, written
 
 from trajopt.problems.build import build
 from trajopt.results.file.reload import reload
-from trajopt.results.file.write import image_of
 from trajopt.results.verify import verify
 from trajopt.transcription.settings import schedule_of
 from trajopt.transcription.solve import solve
@@ -42,12 +39,6 @@ def at_a_time(bounds: str):
     )
     text = text.replace("first: {}", f"first: {{time: {{final: {bounds}}}, states: {{x: {{final: 0.6}}}}}}")
     return loaded(text)
-
-
-def written(solution, spec, folder) -> Path:
-    path = folder / "a.h5"
-    path.write_bytes(image_of(solution, spec.text, spec.model_dump_json(), "test"))
-    return path
 
 
 def test_verify_sees_a_passage_at_another_time_than_the_best(tmp_path):

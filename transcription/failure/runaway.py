@@ -24,6 +24,7 @@ from ..solution.violation import of_phase
 LARGE = 1e10  # no unit makes an honest value as large
 LONGER = 1e5  # times than its guess: a free time that nothing has stopped
 FALLEN = 1e6  # of 1 + the first objective: an objective that has fallen by more runs away
+FALLEN_THROUGH = 1e3  # the same, where a denominator is at zero as well
 NEAR_ZERO = 1e-3  # of its largest size, of a denominator that an objective runs away through
 
 REMEDY = "give it bounds, or check the sign of the objective"
@@ -40,20 +41,22 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     size, text = max(sizes) if sizes else (0.0, "")
     if size > LARGE:
         return f"{text}: {REMEDY}"
-    if not fallen(outcome):
+    if not fallen(outcome, FALLEN_THROUGH):
         return ""
     division = next((text for own in found for text in _divisions(own)), "")
     if division:
         return division
+    if not fallen(outcome):
+        return ""
     return f"the objective runs to {transcription.problem.sense * outcome.objective:.3g}; {text}: {REMEDY}"
 
 
-def fallen(outcome: Outcome) -> bool:
-    """Whether the minimised objective has fallen as far as no honest one does."""
+def fallen(outcome: Outcome, by: float = FALLEN) -> bool:
+    """Whether the minimised objective has fallen as far as no honest one does; by: of 1 + the first one."""
     history = outcome.iterations.get("objective")
     if history is None or not len(history) or not np.isfinite(outcome.objective):
         return False
-    return bool(outcome.objective < -FALLEN * (1 + abs(float(history[0]))))
+    return bool(outcome.objective < -by * (1 + abs(float(history[0]))))
 
 
 def _values(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
