@@ -95,8 +95,8 @@ def _kept(matrix: np.ndarray) -> np.ndarray:
     sizes = np.abs(matrix).max(axis=0)
     sizes[sizes == 0] = 1.0
     kept: np.ndarray = _null_space(matrix / sizes) / sizes[:, None]
-    lengths: np.ndarray = np.linalg.norm(kept, axis=0)
-    return kept / lengths
+    kept /= np.linalg.norm(kept, axis=0)
+    return kept
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
