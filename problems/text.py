@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from decimal import ROUND_UP, Context
 from enum import Enum
@@ -32,9 +32,13 @@ def unprintable(character: str) -> bool:
     return category(character) in ("Cc", "Cs")
 
 
-def escaped(text: str) -> str:
-    """The text with the escape of every control character, but for breaks of lines and tabs: none steers a terminal."""
-    return "".join(c.encode("unicode_escape").decode() if category(c) == "Cc" and c not in "\n\t" else c for c in text)
+def escaped(text: str, hidden: Callable[[str], bool] = unprintable) -> str:
+    """The text with the escape of every character that is hidden, but for breaks of lines and tabs.
+
+    text: any.
+    hidden: whether a character is; without it those that steer a terminal or are no text.
+    """
+    return "".join(c.encode("unicode_escape").decode() if hidden(c) and c not in "\n\t" else c for c in text)
 
 
 def named(character: str) -> str:

@@ -18,7 +18,8 @@ from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.quantities import Range
-from trajopt.results.file.read import bounds_of, read
+from trajopt.results.file.bounds import bounds_of
+from trajopt.results.file.read import read
 from trajopt.results.file.summary import summarize
 from trajopt.results.file.write import write
 from trajopt.results.pictures import plots

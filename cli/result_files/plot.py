@@ -148,7 +148,7 @@ def _figure(kind: str, result: Result, names: Sequence[str], no_bounds: bool) ->
 
 def _bounds(result: Result) -> dict:
     """The bounds of the problem; if the file does not tell them, that is said and the picture is drawn without."""
-    from ...results.file.read import bounds_of
+    from ...results.file.bounds import bounds_of
 
     try:
         return bounds_of(result.build()[0])

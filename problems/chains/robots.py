@@ -24,12 +24,14 @@ measures its 0.2 m from the top of the torso: d3 = l3 - 0.2 m = 0.425 m.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from typing import Any
 
 from ..lean.records import dataclass
 from ..schema.model import CHAIN, FIVE_LINK_BIPED
 from ..yaml.document import Path
 from ..yaml.locations import Finding
+from .sections import list_in, mapping_in
 
 
 @dataclass(frozen=True)
@@ -126,25 +128,16 @@ def write_chain(data: dict[str, Any], name: str) -> tuple[dict[Path, Path], list
     """
     robot, short = ROBOTS[name], dict[Path, Path]()
     found = list(robot.lacking(name, data))
-    data["model"] = {key: list(own) if isinstance(own, list) else own for key, own in robot.chain.items()}
-    expressions = data["expressions"] = data.get("expressions") or {}
-    for own, value in robot.expressions.items() if isinstance(expressions, dict) else ():
+    data["model"] = deepcopy(robot.chain)
+    expressions = mapping_in(data, "expressions")
+    for own, value in robot.expressions.items():
         if own in expressions:
             found.append(Finding(("expressions", own), f"{own} is a name of the model {name}", "choose another name"))
             continue
         expressions[own] = {"value": value, "note": "of the swing foot"}
         short["expressions", own] = ("model",)
-    boundary = _boundary_of(data)
-    for constraint in robot.boundary if isinstance(boundary, list) and not found else ():
+    boundary = list_in(mapping_in(data, "constraints"), "boundary")
+    for constraint in robot.boundary if not found else ():
         short["constraints", "boundary", len(boundary)] = ("model",)
         boundary.append(dict(constraint))
     return short, found
-
-
-def _boundary_of(data: dict[str, Any]) -> Any:
-    """The boundary constraints of a file, made if there are none; what is mistaken is left to the schema."""
-    constraints = data["constraints"] = data.get("constraints") or {}
-    if not isinstance(constraints, dict):
-        return constraints
-    constraints["boundary"] = constraints.get("boundary") or []
-    return constraints["boundary"]

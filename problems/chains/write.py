@@ -23,6 +23,7 @@ from .bodies import Body, control_of
 from .check import mistakes
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .robots import robot_of, write_chain
+from .sections import list_in, mapping_in
 from .step import Step
 
 _WORD = re.compile(r"\w+")
@@ -70,7 +71,7 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     angles = [str(own.get("angle") or f"q{i}") for i, own in enumerate(links, start=1)]
     angles = [q for q in angles if not name_trouble(q)]
     coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *angles]
-    states = _mapping(data, "states")
+    states = mapping_in(data, "states")
     for name in (*coordinates, *(f"d{q}" for q in coordinates), *states):
         own = states.get(name) or {}
         if isinstance(own, dict) and not own.keys() & {"rate", "next", "accel", "velocity"}:
@@ -80,17 +81,10 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
         motor = own.get("motor")
         name = control_of(motor, number) if isinstance(motor, str | bool) else ""
         if name not in states and not name_trouble(name):
-            _mapping(data, "controls").setdefault(name, {})
+            mapping_in(data, "controls").setdefault(name, {})
     names = "|".join(["com", *(re.escape(str(own.get("name") or f"link{i}")) for i, own in enumerate(links, start=1))])
     for word in filter(re.compile(rf"({names})_[va]?[xy]").fullmatch, words_of(data)):
-        _mapping(data, "expressions").setdefault(word, UNKNOWN)
-
-
-def _mapping(data: dict[str, Any], section: str) -> dict[str, Any]:
-    """A section of the file, made if it is not there; what is no mapping is left to the schema."""
-    if data.get(section) is None:
-        data[section] = {}
-    return data[section] if isinstance(data[section], dict) else {}
+        mapping_in(data, "expressions").setdefault(word, UNKNOWN)
 
 
 def words_of(data: Mapping[str, Any]) -> set[str]:
@@ -126,7 +120,7 @@ class _Writer:
         """A section of the file; where it is made here, it stands for the chain."""
         if self.data.get(name) is None:
             self.short[name,] = ("model",)
-        return _mapping(self.data, name)
+        return mapping_in(self.data, name)
 
     def define(self, name: str, value: Any, origin: Path, note: str = "of the chain") -> None:
         """A named expression; in a full file it is there already."""
@@ -238,20 +232,16 @@ class _Writer:
                         self.define(output, coordinate(axis), ("model",), f"{axis} of {told}{what}")
 
     def residuals(self) -> None:
-        given = self.data.get("residuals") or []
-        if not isinstance(given, list):
-            return
+        given = list_in(self.data, "residuals")
         known = {own.get("name") for own in given if isinstance(own, dict)}
         own = [{"name": name, "expression": text} for name, text in self.chain.equations().items() if name not in known]
         self.short |= {("residuals", len(given) + i): ("model",) for i in range(len(own))}
-        self.data["residuals"] = [*given, *own]
+        given += own
 
     def step(self, step: Step) -> None:
         for name, value in step.constants().items():
             self.define(name, value, ("model", "step"))
-        boundary = self.section("constraints").setdefault("boundary", [])
-        if not isinstance(boundary, list):
-            return
+        boundary = list_in(self.section("constraints"), "boundary")
         known = {own.get("name") for own in boundary if isinstance(own, dict)}
         for name, text in step.conditions().items():
             if name not in known:
@@ -273,13 +263,13 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
         yield {"ground": 0}
     for body in chain.bodies:
         ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
-        yield {"line": ends, "name": body.name, **(look_of(legs, body) if legs else {})}
+        yield {"line": ends, "name": body.name, **(_look_of(legs, body) if legs else {})}
     tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
     own = {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
-    yield {**own, "color": look_of(legs, last)["color"]} if legs else own
+    yield {**own, "color": _look_of(legs, last)["color"]} if legs else own
 
 
-def look_of(legs: Step, body: Body) -> dict[str, Any]:
+def _look_of(legs: Step, body: Body) -> dict[str, Any]:
     """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
     before = legs.before[body.number]
     if before == body.number:

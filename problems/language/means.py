@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterator
 
 from ..expressions.expression import Expression
-from ..names.variables import reference, states
+from ..names.variables import free_name, reference, states
 from ..schema.declarations import IntegralState
 from ..schema.measurements import MeanEntry, MeasuredEntry
 from ..schema.phases import PhaseEntry
@@ -38,7 +38,7 @@ def means_as_states(spec: Spec) -> Spec:
             continue
         compare = dict(told)
         for column, own in means.items():
-            state = _free_name(f"integral_of_{column}_in_{name}", spec, added)
+            state = free_name(_word(f"integral_of_{column}_in_{name}"), spec, added)
             added[state] = IntegralState.model_construct(rate=own, initial=ZERO)
             compare[column] = reference(state)
         entries[name] = MeanEntry.model_construct(**{**dict(entry), "compare": compare}, means=means)
@@ -81,15 +81,6 @@ def _depending(spec: Spec, on: set[str]) -> Iterator[str]:
     for name, own in spec.expressions.items():
         if any(leaf.name in on for leaf in own.value.leaves):
             yield name
-
-
-def _free_name(wanted: str, spec: Spec, added: dict[str, IntegralState]) -> str:
-    groups = ("states", "controls", "algebraic", "parameters", "expressions", "optimize", "integrals", "tables")
-    taken = {*added, *(name for group in groups for name in getattr(spec, group))}
-    name = _word(wanted)
-    while name in taken:
-        name += "_"
-    return name
 
 
 def _word(text: str) -> str:

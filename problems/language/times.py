@@ -13,6 +13,7 @@ from dataclasses import replace
 from ..expressions.expression import Expression
 from ..expressions.slips import ENDS
 from ..expressions.tree import Chain, Link, Name, Node
+from ..names.variables import free_name
 from ..schema.declarations import Static
 from ..schema.spec import Spec
 from ..yaml.document import Path
@@ -36,7 +37,7 @@ def times_as_parameters(spec: Spec, suffix: str) -> Spec:
     ends = {end for path, e in expressions_of(spec) if _over_time(path) for end in ENDS if _stands_in(e, end)}
     if not ends:
         return spec
-    names = {end: _free_name(spec, f"{end}_time{suffix}") for end in sorted(ends)}
+    names = {end: free_name(f"{end}_time{suffix}", spec) for end in sorted(ends)}
 
     def instead(name: Name) -> Node:
         return replace(name, name=names[name.end], end=None) if name.name == TIME and name.end else name
@@ -48,15 +49,6 @@ def times_as_parameters(spec: Spec, suffix: str) -> Spec:
 
     added = {name: TimeParameter.model_construct(end=end, unit=spec.time.unit) for end, name in names.items()}
     return changed(spec, expression).model_copy(update={"optimize": {**spec.optimize, **added}})
-
-
-def _free_name(spec: Spec, name: str) -> str:
-    """The name, made longer until nothing in the file has it."""
-    sections = (spec.parameters, spec.expressions, spec.states, spec.controls, spec.algebraic, spec.optimize)
-    velocities = {entry.velocity.name for entry in spec.states.values() if entry.velocity}
-    while name in velocities or any(name in section for section in sections):
-        name += "_"
-    return name
 
 
 def beyond_parameter(parameter: str, end: str) -> Expression:

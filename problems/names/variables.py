@@ -6,7 +6,7 @@ state v is an algebraic variable, v[rate], which the residuals determine.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, rate_of
@@ -15,6 +15,9 @@ from ..schema.declarations import Algebraic, Control, StateEntry, Velocity
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..yaml.document import Path
+
+_DECLARING = ("parameters", "expressions", "states", "controls", "algebraic", "optimize", "integrals", "tables")
+"""Sections whose keys are names."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,20 @@ class DeclaredState(Declared):
     @property
     def implicit(self) -> bool:
         return self.rate == reference(rate_of(self.name))
+
+
+def free_name(wanted: str, spec: Spec, added: Collection[str] = ()) -> str:
+    """A name that nothing has: the one that is wanted, made longer until that is so.
+
+    wanted: a word.
+    spec: of the file or of a phase, all whose names are meant.
+    added: further names.
+    """
+    taken = {*added, *(name for section in _DECLARING for name in getattr(spec, section))}
+    taken |= {entry.velocity_of(name) for name, entry in spec.states.items() if entry.second_order}
+    while wanted in taken:
+        wanted += "_"
+    return wanted
 
 
 def reference(name: str) -> Expression:

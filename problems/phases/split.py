@@ -18,14 +18,12 @@ from pydantic import BaseModel
 
 from ..lean.records import dataclass
 from ..names.occurrences import HISTORY, TRAJECTORY, constraint_names, constraints, uses
+from ..names.variables import free_name
 from ..schema.declarations import TimeEnd
 from ..schema.spec import Spec
 from .merge import phases_as_written
 
 OF_TIMES = re.compile(r"\bt\[(initial|final|duration)\]")
-
-
-_VARIABLES = ("states", "controls", "algebraic", "parameters", "expressions", "optimize", "integrals")
 
 
 @dataclass(frozen=True)
@@ -178,12 +176,9 @@ def integral_states(spec: Spec, phase: str = "") -> dict[str, tuple[str, dict[st
     spec: of the phase.
     phase: its name, of several.
     """
-    taken = {name for group in _VARIABLES for name in getattr(spec, group)}
-    found = {}
+    found: dict[str, tuple[str, dict[str, str]]] = {}
     for number, entry in enumerate(_entries(spec, "integral"), start=1):
-        state = f"integral{number}" + (f"_of_{phase}" if phase else "")
-        while state in taken:
-            state += "_"
+        state = free_name(f"integral{number}" + (f"_of_{phase}" if phase else ""), spec, found)
         equal = {key: entry["equals"] for key in ("lower", "upper") if "equals" in entry}
         found[state] = entry["expression"], equal or {key: entry[key] for key in ("lower", "upper") if key in entry}
     return found

@@ -339,11 +339,11 @@ class _Reader:
         by_name = dict(zip(wanted, given, strict=True))
         body = _Reader(tidy(own.body), self.scope, by_name, (*self.within, name), self.calls)
         if any(_END.search(scalar.text) for value in given for scalar in each(value)):
-            body.refuse_freenames_of(called)
+            body.refuse_free_names(called)
         found = body.whole()
         return Scalar(body.text, SUM) if found is None else found
 
-    def refuse_freenames_of(self, called: str) -> None:
+    def refuse_free_names(self, called: str) -> None:
         """At an end of time a body has its arguments and fixed names only: of others it is not clear where."""
         for name in sorted(names_of(self.tree) - self.arguments.keys()) if self.tree else ():
             if not self.scope.fixed(name):

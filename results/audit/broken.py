@@ -9,7 +9,8 @@ import numpy as np
 
 from ...problems.problem import Phase
 from ...problems.quantities import TOLERATED_EXCESS, Range
-from ..file.read import Result, bounds_beside
+from ..file.bounds import beyond, bounds_beside
+from ..file.read import Result
 from ..file.reload import reload
 from .trajectory import between_points
 
@@ -34,8 +35,7 @@ def _any_exceeded(result: Result, bounds: Mapping[str, Mapping[str, Range]]) -> 
         for kind, curves in phase.curves.items():
             for name, curve in () if kind == "costate" else curves.items():
                 for _, value, upper, _ in bounds_beside([phase], kind, name, bounds):
-                    beyond = curve.dense - value if upper else value - curve.dense
-                    if (beyond > TOLERATED_EXCESS * (1 + abs(value))).any():
+                    if beyond(curve.dense, value, upper) > TOLERATED_EXCESS * (1 + abs(value)):
                         return True
     return False
 

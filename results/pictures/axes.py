@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...problems.quantities import Range
-from ..file.read import Curve, PhaseCurves, bounds_beside, extent
+from ..file.bounds import beyond, bounds_beside, extent
+from ..file.read import Curve, PhaseCurves
 from .style import GREY, VIOLATED
 
 Bounds = Mapping[str, Mapping[str, Range]]  # phase -> name -> range, as `curves.bounds_of` gives them
@@ -75,15 +76,9 @@ def bound_lines(
             far.append(f"{'↑' if upper else '↓'} {value:.3g}".replace("-", "\N{MINUS SIGN}"))
             continue
         curve, tolerated = phase.curves[kind][name], AT_POINTS * (1 + abs(value))
-        fails = name in broken.get(phase.name, ()) and _beyond(curve.dense, value, upper) > tolerated
+        fails = name in broken.get(phase.name, ()) and beyond(curve.dense, value, upper) > tolerated
         style: dict[str, Any] = {"color": color, "label": "bound"}
-        if fails or _beyond(curve.points, value, upper) > tolerated:
+        if fails or beyond(curve.points, value, upper) > tolerated:
             style = {"color": VIOLATED, "label": "violated bound"}
         ax.plot(phase.knots[[0, -1]], [value, value], linestyle=(0, (5, 3)), linewidth=0.9, zorder=1, **style)
     return far
-
-
-def _beyond(values: np.ndarray, bound: float, upper: bool) -> float:
-    """How far the finite values go beyond a bound; negative where they stay inside it."""
-    finite = values[np.isfinite(values)]
-    return float(np.max(finite - bound if upper else bound - finite, initial=-np.inf))

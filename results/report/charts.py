@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from ...problems.quantities import Range
-from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result, bounds_beside
+from ..file.bounds import bounds_beside
+from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
 
 Chart = dict[str, Any]
 Bounds = Mapping[str, Mapping[str, Range]]

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...problems.files import check_ours, check_suffix, replacing
+from ...problems.text import escaped
 from ..file.summary import plain
 
 HERE = Path(__file__).parent
@@ -33,7 +34,7 @@ _IN_SCRIPT = {ord("<"): "\\u003c", ord(">"): "\\u003e", ord("&"): "\\u0026", 0x2
 
 def visible(text: str) -> str:
     """The text with the escape of every character that cannot be seen, but for breaks of lines and tabs."""
-    return "".join(c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text)
+    return escaped(text, lambda character: not character.isprintable())
 
 
 def rendered(template: str, *, title: str, scripts: Sequence[str] = (), made_by: str = MARK, **context: Any) -> str:

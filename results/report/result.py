@@ -10,7 +10,8 @@ from ...problems.errors import FileError, SpecError
 from ...problems.problem import Problem
 from ...problems.schema.spec import Spec
 from ..audit.check import Check
-from ..file.read import PhaseCurves, Result, bounds_of, read
+from ..file.bounds import bounds_of
+from ..file.read import PhaseCurves, Result, read
 from ..file.summary import summarize, telling
 from . import charts, film, mathematics
 from .page import PLOTS, rendered

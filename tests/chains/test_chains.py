@@ -198,3 +198,21 @@ def test_units_of_a_chain():
     assert not spec.warnings
     with pytest.raises(trajopt.SpecError, match="is in"):
         load(shipped()["double_pendulum_cart"], ["parameters.l1.unit=kg"], more=check_units)
+
+
+@pytest.mark.parametrize(
+    "empty", ["", "constraints:\n", "constraints: {boundary: }\n", "constraints: {boundary: []}\n"]
+)
+def test_a_step_is_there_beside_constraints_that_are_left_empty(empty):
+    """`boundary:` with nothing behind it took the conditions of the step away."""
+    walker = """\
+model:
+  kind: chain
+  zero: up
+  links: [{name: a, mass: 1, length: 1, motor: true}, {name: b, mass: 1, length: 1, zero: down, motor: true}]
+  step: {foot: b, swap: [[a, b]]}
+time: {initial: 0, final: 1}
+objective: {minimize: {integral: u1**2 + u2**2}}
+"""
+    names = [own.name for own in spec_of(walker + empty).constraints.boundary]
+    assert names == ["step q1", "step q2", "strike q1", "strike q2"]

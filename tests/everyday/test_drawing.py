@@ -10,7 +10,8 @@ from PIL import Image
 from trajopt.problems.drawings.drawing import drawings_of, obstacles_of
 from trajopt.problems.drawings.shapes import Circle, Ground, Polyline, Rectangle
 from trajopt.problems.errors import SpecError
-from trajopt.results.file.read import bounds_of, read
+from trajopt.results.file.bounds import bounds_of
+from trajopt.results.file.read import read
 from trajopt.results.pictures.animate import scene
 from trajopt.results.pictures.overlay import CYCLE, overlay_figure, plane_figure
 from trajopt.results.pictures.style import GREY

@@ -4,7 +4,8 @@ import pytest
 from command_line import solved_once, trajopt
 
 from trajopt.results.audit.broken import broken_bounds
-from trajopt.results.file.read import bounds_of, read
+from trajopt.results.file.bounds import bounds_of
+from trajopt.results.file.read import read
 from trajopt.results.pictures.overlay import overlay_figure
 from trajopt.results.pictures.plots import trajectory_figure
 from trajopt.results.pictures.style import VIOLATED

@@ -252,16 +252,16 @@ class PhaseBuilder(ABC):
         """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
         phase, total = self.phase, 0.0
         for own in phase.measured:
-            h = [self._at_knot(own.function, t) for t in own.instants.tolist()]
+            knots = self.mesh.knots[knots_at(self.mesh, phase.fractions_of(own.instants))]
+            h = [self._at_knot(own.function, *at) for at in zip(knots.tolist(), own.instants.tolist(), strict=True)]
             if own.spans is not None:
                 h = [(b - a) / d for a, b, d in zip(h[::2], h[1::2], np.diff(own.spans)[:, 0].tolist(), strict=True)]
             for one, y, w in zip(h, own.values.tolist(), own.weights.tolist(), strict=True):
                 total += w * (one - y) ** 2
         return total
 
-    def _at_knot(self, function: Function, t: float) -> Any:
-        """A function of states and parameters at a knot of the phase."""
-        (k,) = self.mesh.knots[knots_at(self.mesh, self.phase.fractions_of(np.array([t])))].tolist()
+    def _at_knot(self, function: Function, k: int, t: float) -> Any:
+        """A function of states and parameters at the point k, a knot, whose time is t."""
         values = self.at(k, [state.name for state in self.phase.states], inputs=False)
         values["t"] = t
         return function(values, pyomo)
