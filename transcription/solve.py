@@ -288,7 +288,8 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
-        if more and (why := stalled(self.history[self.scheduled - 1 :], refine.tolerance)):
+        barrier = goal.beyond_engine if goal else ""
+        if more and (why := barrier or stalled(self.history[self.scheduled - 1 :], refine.tolerance)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:

@@ -37,6 +37,10 @@ DEFAULTS = {
     "first_hessian_perturbation": 1.0,
 }
 
+RELAXED = 0.01
+"""Of the tolerance, and the default at most: by how much bounds are relaxed. The optimum gains that times the
+multipliers, 36 for Bryson and Denham's problem: 3.6e-9 by the default, whatever the mesh."""
+
 LARGE, LARGE_DEFAULTS = 20_000, {"mumps_scaling": 0}
 """Unknowns from which on a program has more defaults. Measured at 10000 segments: 0.25 and 0.37 of the engine's time
 for the cart-pole by trapezoid and Radau, 0.8 to 1.05 otherwise, and as many iterations or fewer. Smaller programs gain
@@ -91,6 +95,8 @@ def solve_program(
     callbacks = _Callbacks(nlp, progress, stop)
     problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(LARGE_DEFAULTS if nlp.n >= LARGE else {}), **(WARM if start else {})}
+    if (tol := options.get("tol")) is not None:
+        chosen["bound_relax_factor"] = min(chosen["bound_relax_factor"], RELAXED * float(str(tol)))
     chosen |= {**(USER_SCALING if scaling else {}), **options}
     if scaling:
         problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
