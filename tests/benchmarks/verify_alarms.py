@@ -6,8 +6,9 @@ Good results: the shipped problems and those of `known_optima`, each by several 
 shipped ones as they are. One counts as good if it is solved to its tolerance and, where the optimum is known, near it.
 Bad results: good ones that were tampered with (`tampering`), and extremals that are no optima (WRONG). A check that
 fails on a good result is a false alarm; a bad result that passes is a miss. Each case is told as soon as it is judged,
-the tables come at the end. --folder keeps the results of the solves and the verdicts there: another run only verifies,
-and with --resume only what has no verdict yet; --only takes the cases whose name holds this word.
+in an order that makes those so far a sample of all; the tables come at the end. --folder keeps the results of the
+solves and the verdicts there: another run only verifies, and with --resume only what has no verdict yet; --only takes
+the cases whose name holds this word.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from zlib import crc32
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
@@ -240,6 +242,7 @@ def main() -> None:
     if arguments.resume and not arguments.folder:
         parser.error("--resume needs the --folder of the run before")
     own = [job for job in jobs() if arguments.only in job.name]
+    own.sort(key=lambda job: crc32(job.name.encode()))
     with tempfile.TemporaryDirectory() as scratch:
         folder = arguments.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
