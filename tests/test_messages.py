@@ -100,9 +100,17 @@ CHAIN = {
             {"joint": "prismatic", "distance": "slid", "mass": 1, "length": 1},
         ],
         "forces": [{"link": "arm", "at": 0.2, "x": "u", "y": 1}],
+        "loops": [{"link": "link4", "at": 0.5, "to": "base", "x": 1, "y": 0.5}],
     },
     "states": {"v": {"unit": "m/s", "rate": "u - c*v", "initial": 0}},
     "residuals": ["F - u"],
+}  # fmt: skip
+PINNED = {
+    **CHAIN,
+    "model": {
+        "kind": "chain", "loops": [{"link": "arm", "at": 0.5, "to": "last", "to_at": 0.5}],
+        "links": [{"name": name, "mass": 1, "length": 1} for name in ("arm", "middle", "last")],
+    },
 }  # fmt: skip
 WALKER = {
     "model": {
@@ -117,6 +125,7 @@ OTHERS = {
     "phases": PHASES,
     **dict.fromkeys(("model", "cart", "links"), CHAIN),
     "step": WALKER,
+    "to_at": PINNED,
     **dict.fromkeys(("complementarity", "relax"), PAIRS),
     "measurements": MEASURED,
     "waypoints": WAYPOINTS,
