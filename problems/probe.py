@@ -64,12 +64,15 @@ def depends_on(function: Function, names: Collection[str]) -> bool:
     return not finite.any() or bool((np.not_equal(before, after) & finite).any())
 
 
-def slope(function: Function, values: Mapping[str, Any], name: str) -> np.ndarray:
-    """The derivative of a function by a name, by the complex step, shape of the values.
+def derivatives(function: Function, values: Mapping[str, Any], names: Sequence[str]) -> np.ndarray:
+    """The derivatives of a function by several names, by complex steps in one call, shape (len(names), ...).
 
     function: made of what NumPy continues to complex numbers.
-    values: of every name that it asks for.
-    name: one of them.
+    values: of every name that it asks for, numbers or arrays of one shape (...).
+    names: some of them.
     """
-    found: np.ndarray = np.imag(function({**values, name: values[name] + 1j * TINY}, np)) / TINY
-    return found
+    shape = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
+    steps = (1j * TINY * np.eye(len(names))).reshape(len(names), len(names), *(1 for _ in shape))
+    moved = {name: values[name] + step for name, step in zip(names, steps, strict=True)}
+    found = np.imag(function({**values, **moved}, np)) / TINY
+    return np.broadcast_to(found, (len(names), *shape))

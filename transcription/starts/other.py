@@ -16,7 +16,7 @@ import numpy as np
 
 from ...problems.expressions.structure import form_of
 from ...problems.lean.records import dataclass
-from ...problems.probe import depends_on, slope
+from ...problems.probe import depends_on, derivatives
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable
 from ..program.alone import building
@@ -209,4 +209,4 @@ def slopes(phase: Phase, guess: Curves, name: str, states: Sequence[State]) -> l
     values: dict[str, Any] = {**guess.samples(s), **guess.parameters}
     values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
     with np.errstate(all="ignore"):
-        return [slope(state.rate, values, name) for state in states]
+        return [derivatives(state.rate, values, [name])[0] for state in states]
