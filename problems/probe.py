@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .expressions.expression import Together
 from .quantities import Function
 
 if TYPE_CHECKING:  # tables import SciPy
@@ -64,15 +65,17 @@ def depends_on(function: Function, names: Collection[str]) -> bool:
     return not finite.any() or bool((np.not_equal(before, after) & finite).any())
 
 
-def derivatives(function: Function, values: Mapping[str, Any], names: Sequence[str]) -> np.ndarray:
-    """The derivatives of a function by several names, by complex steps in one call, shape (len(names), ...).
+def derivatives(functions: Together, values: Mapping[str, Any], names: Sequence[str]) -> np.ndarray:
+    """The derivatives of several functions by several names, shape (functions, len(names), ...).
 
-    function: made of what NumPy continues to complex numbers.
-    values: of every name that it asks for, numbers or arrays of one shape (...).
+    All complex steps are taken in one call, side by side.
+
+    functions: made of what NumPy continues to complex numbers.
+    values: of every name that they ask for, numbers or arrays of one shape (...).
     names: some of them.
     """
     shape = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
     steps = (1j * TINY * np.eye(len(names))).reshape(len(names), len(names), *(1 for _ in shape))
     moved = {name: values[name] + step for name, step in zip(names, steps, strict=True)}
-    found = np.imag(function({**values, **moved}, np)) / TINY
-    return np.broadcast_to(found, (len(names), *shape))
+    found = functions({**values, **moved}, np)
+    return np.array([np.broadcast_to(np.imag(own) / TINY, (len(names), *shape)) for own in found])

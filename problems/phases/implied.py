@@ -18,7 +18,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from ..expressions.expression import Expression
+from ..expressions.expression import Expression, together
 from ..probe import derivatives, names_asked
 from ..problem import Phase
 from ..quantities import Constraint
@@ -150,17 +150,17 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
 
 def _met(equal: Sequence[Constraint], free: Sequence[str], given: Mapping[str, float]) -> np.ndarray | None:
     """The gradients by the free values, (SAMPLES, constraints, free), at samples that meet all; None without such."""
-    found = []
+    g, bounds, found = together([own.function for own in equal]), np.array([own.bounds.lower for own in equal]), []
     for sample in _spread(len(free), SAMPLES).T:
         x = sample
         for _ in range(STEPS):
             values = {**given, **dict(zip(free, x, strict=True))}
             with np.errstate(all="ignore"):
-                missed = np.array([float(own.function(values, np)) - own.bounds.lower for own in equal])
-                J = np.array([derivatives(own.function, values, free) for own in equal])
+                missed = np.array([float(own) for own in g(values, np)]) - bounds
+                J = derivatives(g, values, free)
             if not (np.isfinite(missed).all() and np.isfinite(J).all()):
                 return None
-            if np.all(np.abs(missed) <= MET * (1 + np.abs([own.bounds.lower for own in equal]))):
+            if np.all(np.abs(missed) <= MET * (1 + np.abs(bounds))):
                 break
             x = x - np.linalg.pinv(J) @ missed
         else:
