@@ -5,10 +5,11 @@ import weakref
 
 import numpy as np
 import pytest
-from test_expressions import NAMES, random_text
 
 from trajopt.problems.expressions.evaluation import Walk
 from trajopt.problems.expressions.expression import parse, together
+
+from .texts import NAMES, random_text
 
 ARRAYS = {name: value * np.linspace(0.5, 1.5, 7) for name, value in NAMES.items()}
 
