@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +37,7 @@ class _Asked(dict[str, np.ndarray]):
     """Values that are made when they are asked for, and so remember the names."""
 
     def __missing__(self, name: str) -> np.ndarray:
-        irrational = np.sqrt(len(self) + np.e)  # the multiples of such a number are anywhere between whole numbers
+        irrational = np.sqrt(len(self) + math.e)  # the multiples of such a number are anywhere between whole numbers
         self[name] = 0.1 + 0.8 * (INDICES * irrational % 1.0)
         return self[name]
 

@@ -12,6 +12,7 @@ are not unique. What follows is held to ALMOST only, where it takes no part: it 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
@@ -79,7 +80,7 @@ def _final_values(phase: Phase) -> list[str]:
 
 def _spread(names: int, samples: int) -> np.ndarray:
     """Samples of no meaning between 0.1 and 0.9, shape (names, samples), the same each time."""
-    irrational = np.sqrt(np.arange(names) + np.e)
+    irrational = np.sqrt(np.arange(names) + math.e)
     return 0.1 + 0.8 * (np.outer(irrational, np.arange(1, samples + 1)) % 1.0)
 
 
