@@ -158,7 +158,7 @@ states:
 controls: {u: {}}
 residuals: ["2*v[rate] + v[rate]**3 - u"]
 objective: {minimize: {integral: u**2}}
-mesh: [{method: hermite-simpson, segments: 8}]
+mesh: [{method: hermite-simpson, segments: 20}]
 """
     (tmp_path / "implicit.yaml").write_text(text)
     spec = load(tmp_path / "implicit.yaml")
