@@ -2,13 +2,12 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from repository import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()
 LOCK = (ROOT / "requirements.lock").read_text()
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
@@ -51,6 +50,11 @@ def test_both_commands_install_from_the_lock():
     assert re.fullmatch(rf"{begin}\. && \.venv/bin/trajopt solve \S+", solve)
     assert re.fullmatch(rf"{begin}'\.\[test\]' && \.venv/bin/python -m pytest -n auto", test)
     assert (ROOT / solve.split()[-1]).is_file()
+
+
+def test_the_newest_lane_tests_what_there_is():
+    rooms = re.search(r"^touched='(.*?)'", (ROOT / ".ci" / "run").read_text(), re.DOTALL | re.MULTILINE)[1].split()
+    assert len(rooms) > 20 and [room for room in rooms if not (ROOT / room).exists()] == []
 
 
 def test_every_line_of_the_lock_is_a_constraint_for_pip():

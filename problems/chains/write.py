@@ -25,7 +25,7 @@ from .closed import AXES, Closed, forces_of, name_of, with_loops
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .robots import robot_of, write_chain
 from .sections import list_in, mapping_in
-from .step import Step
+from .step import Stride
 
 _WORD = re.compile(r"\w+")
 _GIVEN = {
@@ -113,7 +113,7 @@ class _Writer:
         for number, loop in enumerate(self.chain.entry.loops, start=1):
             self.loop(Closed(self.chain, loop, number))
         if self.chain.entry.step:
-            self.step(Step(self.chain, self.chain.entry.step))
+            self.step(Stride(self.chain, self.chain.entry.step))
         if not self.data.get("drawing"):
             self.data["drawing"] = list(drawing(self.chain))
             self.short["drawing",] = ("model",)
@@ -264,7 +264,7 @@ class _Writer:
                 self.short["constraints", "boundary", len(boundary)] = path
                 boundary.append({"expression": f"{loop.constant(name)}[initial]", "equals": 0})
 
-    def step(self, step: Step) -> None:
+    def step(self, step: Stride) -> None:
         for name, value in step.constants().items():
             self.define(name, value, ("model", "step"))
         boundary = list_in(self.section("constraints"), "boundary")
@@ -280,7 +280,7 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
 
     A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
     """
-    legs = chain.entry.step and Step(chain, chain.entry.step)
+    legs = chain.entry.step and Stride(chain, chain.entry.step)
     first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
     if chain.entry.base == CART:
         yield {"ground": f"-{first}/20"}
@@ -295,7 +295,7 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
     yield {**own, "color": _look_of(legs, last)["color"]} if legs else own
 
 
-def _look_of(legs: Step, body: Body) -> dict[str, Any]:
+def _look_of(legs: Stride, body: Body) -> dict[str, Any]:
     """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
     before = legs.before[body.number]
     if before == body.number:
