@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import yaml
-from polished import first
 
 from trajopt.problems.expressions.expression import parse
 from trajopt.problems.nonsmooth.spelled import spelled
@@ -16,6 +15,8 @@ from trajopt.results.polish.signs import worth_of_leaving
 from trajopt.results.verify import verify
 from trajopt.transcription.arcs import LOWER
 from trajopt.transcription.loading import load_yaml
+
+from .polished import first
 
 MOVE = """\
 trajopt: 1
