@@ -32,7 +32,9 @@ def with_slack(spec: Spec) -> str:
     found, data = consistent(own, symbols), plain(own)
     data.pop("nonsmooth")
     given = {use.path: use.expression for use in symbols.uses}
-    named = {("expressions", name): expression for name, expression in found.definitions.items()}
+    named: dict[Path, Expression] = {
+        ("expressions", name): expression for name, expression in found.definitions.items()
+    }
     for path, expression in {**found.expressions, **named}.items():
         before = given.get(path)
         if before is not None and skeleton(before.root) != skeleton(expression.root):

@@ -11,7 +11,7 @@ are zero, y stays at its kink, and controls inside their bounds may want to leav
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -52,7 +52,9 @@ def worth_of_leaving(
     for i, name in enumerate(names):
         if i in slack or not (name in fixed or at_kink):
             continue
-        for value in _others(bounds[name], fixed[name]) if name in fixed else _beside(bounds[name], u[i]):
+        others: Iterable[np.ndarray]
+        others = _others(bounds[name], fixed[name]) if name in fixed else _beside(bounds[name], u[i])
+        for value in others:
             moved = u.copy()
             moved[i] = value
             moved = consistent_inputs(phase, t, x, moved, trajectory.parameters)
