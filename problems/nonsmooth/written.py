@@ -6,6 +6,7 @@ stays at the kink, both are.
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Any
 
 import yaml
@@ -35,7 +36,7 @@ def with_slack(spec: Spec) -> str:
     named: dict[Path, Expression] = {
         ("expressions", name): expression for name, expression in found.definitions.items()
     }
-    for path, expression in {**found.expressions, **named}.items():
+    for path, expression in chain(found.expressions.items(), named.items()):
         before = given.get(path)
         if before is not None and skeleton(before.root) != skeleton(expression.root):
             _place(data, path, expression)

@@ -17,9 +17,11 @@ from .linear_solvers import missing_libraries
 from .outcome import COLUMNS, Outcome, Start, Status
 from .rounding import met_to_rounding
 
+MOST_RELAXED = 1e-10
+
 DEFAULTS = {
     # IPOPT's own 1e-8 lets the optimum of Bryson and Denham's problem gain 3e-7, which no error estimate sees.
-    "bound_relax_factor": 1e-10,
+    "bound_relax_factor": MOST_RELAXED,
     "print_level": 0,
     "sb": "yes",
     "tol": 1e-8,
@@ -38,7 +40,7 @@ DEFAULTS = {
 }
 
 RELAXED = 0.01
-"""Of the tolerance, and the default at most: by how much bounds are relaxed. The optimum gains that times the
+"""Of the tolerance, and MOST_RELAXED at most: by how much bounds are relaxed. The optimum gains that times the
 multipliers, 36 for Bryson and Denham's problem: 3.6e-9 by the default, whatever the mesh."""
 
 LARGE, LARGE_DEFAULTS = 20_000, {"mumps_scaling": 0}
@@ -96,7 +98,7 @@ def solve_program(
     problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(LARGE_DEFAULTS if nlp.n >= LARGE else {}), **(WARM if start else {})}
     if (tol := options.get("tol")) is not None:
-        chosen["bound_relax_factor"] = min(chosen["bound_relax_factor"], RELAXED * float(str(tol)))
+        chosen["bound_relax_factor"] = min(MOST_RELAXED, RELAXED * float(str(tol)))
     chosen |= {**(USER_SCALING if scaling else {}), **options}
     if scaling:
         problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
