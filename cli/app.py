@@ -30,6 +30,7 @@ COMMANDS = {
     "export": "problem_files.export",
     "init": "problem_files.init",
     "doctor": "solving.doctor",
+    "cache": "solving.cache",
 }
 """The module of each command, in the order of `--help`. Its function has the command's name; of `list`, `list_`."""
 

@@ -12,9 +12,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..transcription.cache.folder import place
+
 ENVIRONMENT = (
     "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PYTHONPATH", "PYTHONOPTIMIZE", "PYTHONUTF8",
-    "PYTHONIOENCODING", "MPLBACKEND", "MPLCONFIGDIR", "TMPDIR", "LD_LIBRARY_PATH", "LANG", "LC_ALL", "TERM",
+    "PYTHONIOENCODING", "MPLBACKEND", "MPLCONFIGDIR", "TMPDIR", "TRAJOPT_CACHE", "LD_LIBRARY_PATH", "LANG",
+    "LC_ALL", "TERM",
 )  # fmt: skip
 """Variables that change what trajopt does."""
 
@@ -75,7 +78,7 @@ def installation(load: bool = True) -> dict[str, Any]:
         "linear_solvers": asked("linear_solvers", _linear_solvers),
         "hdf5": asked("hdf5", _hdf5),
         "derivatives": asked("derivatives", _derivatives),
-        "caches": {"matplotlib": asked("caches", _cache_of_matplotlib)},
+        "caches": {"trajopt": str(place() or ""), "matplotlib": asked("caches", _cache_of_matplotlib)},
         "parts": {name: _part(part) for name, part in PARTS.items()},
         "unusable": unusable,
     }

@@ -1,8 +1,11 @@
 """What tests of several files share: a folder of their own to work in, and processes that start as a user's do."""
 
+import atexit
 import gc
 import os
+import shutil
 import signal
+import tempfile
 
 import pytest
 
@@ -12,6 +15,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # Where this is set, each process that a test starts compiles all modules anew: a fifth of the time of such tests.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# All tests keep what they compile in one cache of their own, so that most of them solve by what others have kept.
+if "TRAJOPT_CACHE" not in os.environ:
+    os.environ["TRAJOPT_CACHE"] = tempfile.mkdtemp(prefix="trajopt-tests-")
+    atexit.register(shutil.rmtree, os.environ["TRAJOPT_CACHE"], ignore_errors=True)
 
 # A shell that starts the tests in the background has it ignored, and every process below would ignore it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

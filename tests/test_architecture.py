@@ -9,6 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+from repository import ROOT
 
 from trajopt.transcription import constraint_kinds
 from trajopt.transcription.constraint_kinds import ConstraintKind
@@ -16,7 +17,6 @@ from trajopt.transcription.schemes.segment import Segment
 from trajopt.transcription.schemes.table import METHODS
 from trajopt.transcription.transcribe import METHOD_KINDS
 
-ROOT = Path(__file__).parent.parent
 LAYERS = ("problems", "transcription", "results", "cli")
 MAX_FILES = 12
 FORBIDDEN = {

@@ -34,7 +34,7 @@ def _rows(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "solvers", _solvers(found["linear_solvers"] or {})
     yield "hdf5", found["hdf5"] or "?"
     yield "derivatives", DERIVATIVES.get(found["derivatives"], "?")
-    yield from (("cache", f"of {name}: {folder or '?'}") for name, folder in found["caches"].items())
+    yield from (("cache", f"of {name}: {folder or 'none'}") for name, folder in found["caches"].items())
     yield from ((name, _part(part)) for name, part in found["parts"].items())
     if found["environment"]:
         yield "environment", " ".join(f"{name}={value}" for name, value in found["environment"].items())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from typing import Any
 
 import typer
 
+from ...transcription.cache.folder import OFF, SWITCH
 from ..errors import NOT_SOLVED, command
 from ..options import Json
 from ..output.installation import print_installation
@@ -64,7 +66,12 @@ def _started(path: Path) -> subprocess.CompletedProcess[str]:
     typed = ["solve", PROBLEM, "--json", "-q", "-o", str(path)]
     program = "from trajopt.cli.main import main; main()"
     return subprocess.run(
-        [sys.executable, "-P", "-c", program, *typed], capture_output=True, text=True, timeout=PATIENCE, check=False
+        [sys.executable, "-P", "-c", program, *typed],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+        env={**os.environ, SWITCH: OFF},  # what was compiled at another time tells nothing
     )
 
 

@@ -1,9 +1,9 @@
 """Equations that say what others say already: end values that the dynamics tie together, and constraints given twice.
 
-Where the dynamics keep a function of states whose values are given at both ends, one of the final ones is too many
-(see `conserved`). Among the equations at the ends, and among the path equalities, one follows from others if its gradient is a combination
-of theirs at every sample that meets all. Then the Jacobian of the nonlinear program has not full rank, and multipliers
-are not unique. What follows is held to ALMOST only, where it takes no part: it holds because the others do.
+Where the dynamics keep a function of states whose values are given at both ends, one of the final ones is too many (see
+`conserved`). Among the equations at the ends, and among the path equalities, one follows from others if its gradient is
+a combination of theirs at every sample that meets all. Then the Jacobian of the nonlinear program has not full rank, and
+multipliers are not unique. What follows is held to ALMOST only, where it takes no part: it holds because others do.
 """
 
 from __future__ import annotations

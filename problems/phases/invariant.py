@@ -27,7 +27,7 @@ MET = 1e-9
 """Relative to 1 + |c|: what fixed initial or final values may miss an invariant by."""
 
 ALMOST = 1e-6
-"""Of the size of a state, or relative to 1 + that of a constraint: how near a final value that follows from the others is held."""
+"""Of the size of a state, or relative to 1 + that of a constraint: how near what follows is held."""
 
 
 def without_invariants(phase: Phase) -> Phase:
@@ -46,7 +46,9 @@ def without_invariants(phase: Phase) -> Phase:
             outputs[own.name] = Output(own.function)
             follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
-    states = tuple(replace(own, final=almost(own.final, own.initial)) if own.name in follows else own for own in phase.states)
+    states = tuple(
+        replace(own, final=almost(own.final, own.initial)) if own.name in follows else own for own in phase.states
+    )
     return replace(
         phase,
         states=states,

@@ -14,7 +14,7 @@ from pathlib import Path
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
 
-sys.path.insert(0, str(Path(__file__).parent.parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "helpers"))
 from exact import integration, integration_state
 
 METHODS = ("gauss", "radau", "radau-left", "lobatto", "chebyshev")

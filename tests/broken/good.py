@@ -1,6 +1,6 @@
 """Good problem files, to be broken by small edits."""
 
-from pathlib import Path
+from repository import ROOT
 
 GOOD = """\
 trajopt: 1
@@ -46,4 +46,4 @@ ACCEL = (
     .replace("  v: {unit: m/s, rate: (u - c*v)/m, initial: 0, final: 0}\n", "")
 )  # fmt: skip
 NONSMOOTH = GOOD.replace("integral: u**2", "integral: abs(u*v)").replace("guess:\n", "nonsmooth: slack\nguess:\n")
-MODEL = (Path(__file__).parents[2] / "problems" / "biped_supplement.yaml").read_text()
+MODEL = (ROOT / "problems" / "biped_supplement.yaml").read_text()

@@ -14,17 +14,16 @@ LOG = logging.getLogger(__name__)
 # the biped compiles in 0.23 s instead of 0.06 s, to evaluate 1.3 times as fast what is 3 % of a solve.
 OPT_LEVEL = 0
 
+LLVM = "llvm"
+
 
 @cache
 def available_backend() -> str:
     """ "llvm" where SymEngine was built with it, else "lambda", its interpreter: slower, the same numbers."""
-    x = se.Symbol("x")
-    try:
-        se.Lambdify([x], [x], backend="llvm")
-    except (ValueError, RuntimeError):
+    if not se.have_llvm:
         LOG.warning("this SymEngine has no LLVM: derivatives are interpreted, which is slower but as exact")
         return "lambda"
-    return "llvm"
+    return LLVM
 
 
 def lambdify(
@@ -37,5 +36,16 @@ def lambdify(
     backend: "llvm" or "lambda", of SymEngine's Lambdify.
     opt_level: how hard LLVM tries, from 0 to 3.
     """
-    options = {"backend": backend, "cse": True, **({"opt_level": opt_level} if backend == "llvm" else {})}
+    options = {"backend": backend, "cse": True, **({"opt_level": opt_level} if backend == LLVM else {})}
     return se.Lambdify(inputs, expressions, **options)
+
+
+def told(expressions: Sequence[se.Basic]) -> list[str]:
+    """A text for each expression, the same in all processes; equal texts are of equal expressions.
+
+    SymEngine writes floats to 15 digits, and its pickles have addresses of memory in them; so each float is replaced by
+    a symbol whose name has all of its bits.
+
+    expressions: in symbols whose names are letters, digits and underscores, none of them with a dot.
+    """
+    return [str(own.xreplace({x: se.Symbol(float(x).hex()) for x in own.atoms(se.Float)})) for own in expressions]

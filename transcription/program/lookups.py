@@ -26,7 +26,8 @@ import symengine as se
 from ...problems.lean.records import dataclass
 from ...problems.tables.fits import ORDER
 from ...problems.tables.table import Table
-from .backend import lambdify
+from ..cache.kept import made
+from .backend import LLVM, lambdify
 
 
 @dataclass(frozen=True)
@@ -153,11 +154,15 @@ class Cells:
 @cache
 def _polynomial(n: int, backend: str) -> Any:
     """Compiled code: the coefficients of a cell and the distances from its corner -> what `Cells` gives."""
-    c = [se.Symbol(f"c{i}") for i in range(ORDER**n)]
-    d = [se.Symbol(f"d{i}") for i in range(n)]
-    taylor = _contracted(c, d, 2)
-    counts = [tuple(map(own.count, range(n))) for own in _orders(n)]
-    return lambdify(c + d, [prod(map(factorial, own)) * taylor[own] for own in counts], backend, opt_level=3)
+
+    def make() -> Any:
+        c = [se.Symbol(f"c{i}") for i in range(ORDER**n)]
+        d = [se.Symbol(f"d{i}") for i in range(n)]
+        taylor = _contracted(c, d, 2)
+        counts = [tuple(map(own.count, range(n))) for own in _orders(n)]
+        return lambdify(c + d, [prod(map(factorial, own)) * taylor[own] for own in counts], backend, opt_level=3)
+
+    return made("polynomial of a cell", n, make) if backend == LLVM else make()
 
 
 def _contracted(coefficients: list[Any], distances: list[Any], most: int) -> dict[tuple[int, ...], Any]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
 import symengine as se
 
 from ...problems.lean.records import dataclass
-from .backend import lambdify
+from ..cache.kept import made
+from .backend import LLVM, OPT_LEVEL, lambdify, told
 from .lookups import Chain, Lookup, in_order, levels
 
 CODE_LIMIT = 256  # compiled families kept for the next mesh
@@ -49,7 +51,7 @@ def compile_family(
     seconds: dict,
     lookups: Sequence[Lookup] = (),
 ) -> Code:
-    """Differentiate and compile, or take from memory what was compiled before.
+    """Differentiate and compile, or take from memory or from the cache what was compiled before.
 
     outputs: y in the symbols v0, v1, ... (variables) and d0, d1, ... (data).
     n_variables, n_data: the numbers of these symbols, used or not.
@@ -68,7 +70,7 @@ def compile_family(
     if key not in _code:
         if len(_code) >= CODE_LIMIT:
             _code.pop(next(iter(_code)))
-        _code[key] = _compile(outputs, n_variables, n_data, backend, seconds, lookups)
+        _code[key] = _made(key, partial(_compile, *key[:4], seconds, lookups))
     return _code[key]
 
 
@@ -81,9 +83,22 @@ def compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, b
     if key not in _values:
         if len(_values) >= CODE_LIMIT:
             _values.pop(next(iter(_values)))
-        v, d, w = _symbols(n_variables, n_data, len(outputs))
-        _values[key] = lambdify(v + d + w, list(outputs), backend)
+        _values[key] = _made(key, partial(_compile_values, *key))
     return _values[key]
+
+
+def _made(key: tuple, make: Callable[[], Any]) -> Any:
+    """What has this key, from the cache or made: only SymEngine's machine code can be kept there."""
+    outputs, n_variables, n_data, backend, *lookups = key
+    if backend != LLVM:
+        return make()
+    arguments = [(number, told(own)) for number, own in (lookups[0] if lookups else ())]
+    return made("values" if not lookups else "family", (told(outputs), n_variables, n_data, arguments, OPT_LEVEL), make)
+
+
+def _compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str) -> Callable:
+    v, d, w = _symbols(n_variables, n_data, len(outputs))
+    return lambdify(v + d + w, list(outputs), backend)
 
 
 def _symbols(*numbers: int) -> list[list[se.Symbol]]:

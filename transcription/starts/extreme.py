@@ -10,7 +10,8 @@ Large ones. A constraint may be violated by 1e-8 in its unit. The defect of a st
 have no such digit. Where a state is as large as LARGE, the units are large (metres from the centre of a planet), and
 the program is scaled: everything by its size, free times by the duration, so that units do not matter.
 
-The size of a state or an input is its largest magnitude along the start, of an input between bounds half their distance.
+The size of a state or an input is its largest magnitude along the start; of an input between bounds half of what is
+between them, for large ones.
 Of a static parameter it is its guess. If that is 0, it is the value at which it begins to act: with X the sizes of the
 states and T the duration,
 

@@ -1,0 +1,1 @@
+"""abs, min and max made consistent."""

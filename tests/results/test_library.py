@@ -1,0 +1,284 @@
+"""`trajopt reproduce library`: the shipped problems beside published values, the kept baseline, and what is worse."""
+
+import json
+import os
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from command_line import process, strict_json, trajopt
+from named import SOLVED
+from repository import ROOT
+
+from trajopt.problems.catalog import shipped
+from trajopt.results.library import baseline as kept
+from trajopt.results.library.baseline import baseline, baseline_text, regressions, renewed
+from trajopt.results.library.rows import SLOW, Row, row_from
+from trajopt.results.library.solve import solve_one
+from trajopt.results.library.table import html, markdown
+
+BASELINE = baseline()
+CHEAP = {
+    *("aly_chan", "batch_reactor", "block_move_min_force", "bolza", "bounce", "bryson_denham", "catalyst_mixing"),
+    *("clamped_beam", "double_integrator_min_time", "fuller", "interior_point", "jacobson_lele", "robbins", "shot_put"),
+    *("singular_double_integrator", "speed_limit"),
+}
+"""Problems that are verified in less than some 2 s; others are where TRAJOPT_SLOW is set."""
+
+HOW = "trajopt reproduce library writes library.md and baseline.json anew"
+
+# -- what is kept ---------------------------------------------------------------------------------------------------
+
+
+def test_the_page_is_that_of_the_baseline():
+    assert (ROOT / "docs" / "library.md").read_text() == markdown([*BASELINE.values()]), HOW
+
+
+def test_the_baseline_has_every_shipped_problem():
+    assert list(BASELINE) == list(shipped()), HOW
+    assert set(BASELINE) >= SLOW
+
+
+def test_the_baseline_is_as_it_would_be_written():
+    text = (ROOT / "results" / "library" / "baseline.json").read_text()
+    assert text == baseline_text([*BASELINE.values()]), HOW
+    assert "seconds" not in text
+
+
+def test_every_kept_problem_is_solved_and_agrees_with_its_reference():
+    assert [name for name, row in BASELINE.items() if not row.solved or row.holds is False] == []
+    assert [name for name, row in BASELINE.items() if not row.difference <= row.tolerance] == []
+
+
+@pytest.mark.parametrize("name", SOLVED)
+def test_a_shipped_problem_ends_as_its_file_and_the_baseline_say(tmp_path, name):
+    """What is better than the baseline fails as well: the page tells what is."""
+    verified = name in CHEAP or bool(os.environ.get("TRAJOPT_SLOW"))
+    row = solve_one(name, tmp_path, verified=verified)
+    assert row.solved, row.message
+    assert bool(row.checks) == verified
+    assert row.difference <= row.tolerance, (row.objective, row.reference)
+    assert regressions(BASELINE, [row]) == []
+    assert regressions({name: row}, [BASELINE[name]]) == [], f"better than in the baseline: {HOW}"
+
+
+# -- what is worse --------------------------------------------------------------------------------------------------
+
+GOOD = Row(
+    name="swing", tags=("robotics",), solved=True, message="solved", objective=2.5000001, bar=2e-6, reference=2.5,
+    tolerance=1e-6, source="exact: 5/2", segments=40, points=81, meshes=3, iterations=60, checks=17, failed=("H",),
+    seconds=1.5, verify_seconds=0.5,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"solved": False, "message": "ran out of iterations"}, "was solved, now: ran out of iterations"),
+        ({"objective": 2.6}, "another optimum, objective 2.5000001 before, 2.6 now, error bars 2.0e-06 and 2.0e-06"),
+        ({"objective": 2.4}, "another optimum, objective 2.5000001 before, 2.4 now"),
+        ({"objective": 2.500002}, "7.4 digits agreed with the reference before, 6.1 now"),
+        ({"bar": None}, "error bar 2.0e-06 before, none now"),
+        ({"bar": 2.1e-5}, "error bar 2.0e-06 before, 2.1e-05 now"),
+        (
+            {"objective": 2.500003, "bar": 1e-6},
+            "the error bar held before, now it is 1.0e-06 and the reference 3.0e-06",
+        ),
+        ({"iterations": 73}, "60 iterations before, 73 now"),
+        ({"failed": ("H", "dynamics")}, "1 checks of verify failed before, 2 now: dynamics"),
+        ({"failed": ("dynamics",)}, "1 checks of verify failed before, 1 now: dynamics"),
+    ],
+)
+def test_what_is_worse_is_told_with_the_name_and_both_values(change, told):
+    found = regressions({"swing": GOOD}, [replace(GOOD, **change)])
+    assert any(line.startswith(f"swing: {told}") for line in found), found
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"iterations": 72},
+        {"iterations": 20},
+        {"objective": 2.5},
+        {"objective": 2.5000007},
+        {"bar": 1e-6},
+        {"bar": 1.9e-5},
+        {"failed": ()},
+        {"seconds": 100.0, "verify_seconds": 100.0},
+        {"segments": 80, "meshes": 7},
+    ],
+)
+def test_what_is_as_good_is_not_told(change):
+    assert regressions({"swing": GOOD}, [replace(GOOD, **change)]) == []
+
+
+def test_bars_within_rounding_may_vary():
+    """Where the mesh is exact, the bar is what the solver's rounding leaves."""
+    fine = replace(GOOD, bar=1e-11)
+    assert regressions({"swing": fine}, [replace(fine, bar=3e-7)]) == []
+    assert regressions({"swing": fine}, [replace(fine, bar=4e-7)]) == ["swing: error bar 1.0e-11 before, 4.0e-07 now"]
+
+
+def test_few_iterations_more_are_no_loss():
+    few = replace(GOOD, iterations=6)
+    assert regressions({"swing": few}, [replace(few, iterations=10)]) == []
+    assert regressions({"swing": few}, [replace(few, iterations=11)]) == ["swing: 6 iterations before, 11 now"]
+
+
+def test_checks_that_were_not_made_are_not_compared():
+    unchecked = replace(GOOD, checks=0, failed=())
+    assert regressions({"swing": GOOD}, [unchecked]) == [] == regressions({"swing": unchecked}, [GOOD])
+
+
+def test_a_new_problem_has_nothing_to_be_worse_than():
+    assert regressions({}, [GOOD]) == []
+
+
+def test_an_unsolved_problem_that_stays_so_is_not_told_again():
+    unsolved = replace(GOOD, solved=False, objective=None)
+    assert regressions({"swing": unsolved}, [replace(unsolved, iterations=600)]) == []
+    assert regressions({"swing": unsolved}, [GOOD]) == []
+
+
+# -- rows -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("objective", "reference", "source", "digits"),
+    [
+        (12 + 1.2e-6, 12.0, "exact: appendix B", 7.0),
+        (12.0, 12.0, "exact: appendix B", 8.0),  # no more than the tolerance of the solver settles
+        (1.33080001, 1.3308, "Patterson", 4.4),  # half a unit of the last digit given
+        (1.3318, 1.3308, "Patterson", 3.1),
+        (-0.04, -0.05, "exact", 0.7),
+        (34.0, 34.0, "a paper", 1.8),
+        (1e-7, 0.0, "exact", 7.0),
+        (0.0, 0.0, "exact", 8.0),
+        (900.0, 1.0, "exact", 0.0),
+        (None, 1.0, "exact", None),
+        (1.0, None, "", None),
+    ],
+)
+def test_digits_are_those_of_the_lesser_of_both(objective, reference, source, digits):
+    assert replace(GOOD, objective=objective, reference=reference, source=source).digits == digits
+
+
+def test_a_bar_holds_up_to_the_tolerance_of_the_reference():
+    assert replace(GOOD, objective=2.5 + 2.9e-6).holds is True
+    assert replace(GOOD, objective=2.5 - 3.1e-6).holds is False
+    assert replace(GOOD, bar=None).holds is None and replace(GOOD, reference=None).holds is None
+    assert replace(GOOD, objective=None).holds is False
+    assert replace(GOOD, failed=()).passed and not GOOD.passed
+
+
+def test_a_row_comes_back_from_what_is_kept():
+    assert row_from(GOOD.told) == GOOD
+    again = row_from(replace(GOOD, objective=2.50000010000001234, bar=2.0432e-6).kept)
+    assert again == replace(GOOD, bar=2e-6, seconds=0.0, verify_seconds=0.0)
+
+
+def test_rows_of_a_run_take_the_place_of_kept_ones():
+    new = replace(GOOD, name="pendulum")
+    rows = renewed([new], BASELINE)
+    assert [row.name for row in rows] == list(shipped())
+    assert [row for row in rows if row != BASELINE[row.name]] == [new]
+    assert renewed([GOOD], {}) == []  # no shipped problem
+
+
+def test_html_shows_what_is_wrong_and_escapes_texts():
+    odd = replace(GOOD, name="a<b", source="x & y", bar=1e-9, tolerance=1e-9)
+    page = html([odd], ["a<b: worse"])
+    tags = []
+    parser = HTMLParser()
+    parser.handle_starttag = lambda tag, attributes: tags.append((tag, dict(attributes).get("class")))
+    parser.feed(page)
+    assert tags.count(("span", "fail")) == 2 and tags.count(("p", "fail")) == 2
+    assert "a&lt;b: worse" in page and "x &amp; y" in page and "a<b" not in page
+
+
+# -- the command ----------------------------------------------------------------------------------------------------
+
+TWO = ("--only", "shot_put", "--only", "block_move_min_force")
+
+
+def test_the_command_writes_all_tables(folder):
+    run = process("reproduce", "library", *TWO, "--check", "-j", "2", "-o", "mine")
+    assert (run.returncode, run.stderr) == (0, "")
+    lines = run.stdout.splitlines()
+    assert lines[0].split()[:3] == ["problem", "objective", "error"]
+    assert [line.split()[0] for line in lines[1:3]] == ["block_move_min_force", "shot_put"]  # as listed
+    assert lines[-3:] == [
+        "2 problems: 2 solved, 2 verified, the error bar holds in 2 of 2",
+        "compared with the baseline: 0 regressions",
+        "mine/index.html",
+    ]
+    made = strict_json((folder / "mine" / "library.json").read_text())
+    assert [row["name"] for row in made["problems"]] == ["block_move_min_force", "shot_put"]
+    assert all(row["seconds"] > 0 and row["digits"] >= 7 and row["holds"] for row in made["problems"])
+    assert made["regressions"] == []
+    text = (folder / "mine" / "library.md").read_text()
+    assert text.partition("## First tries")[0].count("\n| ") == 2 + len(shipped())
+    assert len(strict_json((folder / "mine" / "baseline.json").read_text())["problems"]) == len(shipped())
+    assert sorted(path.stem for path in (folder / "mine" / "results").iterdir()) == ["block_move_min_force", "shot_put"]
+    assert trajopt("verify", "mine/results/shot_put.h5").exit_code == 0
+    assert "<td>shot_put</td>" in (folder / "mine" / "index.html").read_text()
+
+
+def test_what_is_worse_ends_with_exit_code_1(folder, monkeypatch):
+    """The baseline claims fewer iterations and another optimum than there are."""
+    old = {**BASELINE, "shot_put": replace(BASELINE["shot_put"], iterations=1, objective=22.0)}
+    monkeypatch.setattr(kept, "baseline", lambda: old)
+    run = trajopt("reproduce", "library", "--only", "shot_put", "--check", "--json")
+    told = json.loads(run.stdout)
+    now = told["problems"][0]["iterations"]
+    assert run.exit_code == 1 and told["passed"]
+    assert [line for line in told["regressions"] if line.endswith(f"1 iterations before, {now} now")]
+    assert [line for line in told["regressions"] if line.startswith("shot_put: another optimum, objective 22 before")]
+    assert "another optimum" in (folder / "library" / "index.html").read_text()
+    assert trajopt("reproduce", "library", "--only", "shot_put").exit_code == 0  # not asked to compare
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (
+            ("library", "--only", "shot_putt"),
+            "--only shot_putt: there is no such shipped problem; did you mean shot_put?",
+        ),
+        (("library", "--only", "goddard", "--fast"), "--fast: goddard takes long, so nothing is left"),
+        (("library", "cartpole"), "cartpole: library stands alone"),
+        (("library", "-j", "none"), "--jobs"),
+        (("points", "--fast"), "--fast: it is of the library only"),
+        (("--only", "shot_put"), "--only: it is of the library only"),
+        (("librari",), "did you mean library?"),
+    ],
+)
+def test_mistakes_are_one_sentence_and_nothing_is_made(folder, arguments, told):
+    run = trajopt("reproduce", *arguments)
+    assert (run.exit_code, run.stdout) == (2, "")
+    assert told in run.stderr and run.stderr.count("\n") == 1
+    assert list(folder.iterdir()) == []
+
+
+def test_every_wrong_name_is_told(folder):
+    run = trajopt("reproduce", "library", "--only", "nothing1", "--only", "nothing2")
+    assert run.exit_code == 2 and run.stderr.count("\n") == 2
+
+
+@pytest.mark.parametrize("name", ["library.md", "library.json", "baseline.json", "results/shot_put.h5"])
+def test_what_is_not_ours_is_not_replaced(folder, name):
+    assert trajopt("reproduce", "points", "--no-figures", "-o", "mine").exit_code == 0
+    (folder / "mine" / name).write_text("my own")
+    run = trajopt("reproduce", "library", "--only", "shot_put", "-o", "mine")
+    assert (run.exit_code, run.stdout) == (3, "")
+    assert run.stderr.count("\n") == 1 and name in run.stderr
+    assert (folder / "mine" / name).read_text() == "my own"
+
+
+def test_a_foreign_folder_is_refused(folder):
+    (folder / "library").mkdir()
+    (folder / "library" / "notes.txt").write_text("mine")
+    run = trajopt("reproduce", "library", "--only", "shot_put")
+    assert run.exit_code == 3 and "was not made by 'trajopt reproduce'" in run.stderr
+    assert [path.name for path in (folder / "library").iterdir()] == ["notes.txt"]

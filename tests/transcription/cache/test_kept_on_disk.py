@@ -1,0 +1,171 @@
+"""What is read from the cache is what would have been made, to the last bit; where it would not be, it is not read."""
+
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import symengine as se
+from command_line import process, trajopt
+
+from trajopt.transcription.cache import identity
+from trajopt.transcription.cache.entries import entries
+from trajopt.transcription.program.backend import told
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+TIMES = {"seconds", "created", "command", "wall"}  # of a run, not of what it solved
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("TRAJOPT_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def numbers(path: Path) -> dict:
+    """Every dataset of a result file but its seconds, to the last bit."""
+    found = {}
+
+    def read(name: str, node) -> None:
+        if isinstance(node, h5py.Dataset) and not TIMES & set(name.split("/")):
+            found[name] = repr(np.asarray(node[()]).tolist())
+
+    with h5py.File(path) as file:
+        file.visititems(read)
+        found["objective"] = file.attrs["objective"]
+    assert len(found) > 10
+    return found
+
+
+def solved(name: str, *typed: str, **environment: str) -> dict:
+    run = process("solve", *typed, "-q", "--force", "-o", f"{name}.h5", env={**os.environ, **environment})
+    assert (run.returncode, run.stderr) == (0, "")
+    return numbers(Path(f"{name}.h5"))
+
+
+CASES = {
+    "another number": ("cartpole", "--set", "parameters.u_max=14"),
+    "refined": ("cartpole", "--refine", "1e-7"),
+    "shooting": ("block_move_min_force", "--method", "runge-kutta-4", "--segments", "20"),
+    "tables": ("min_time_climb", "--segments", "10"),
+    "several phases": ("block_move_three_phases",),
+}
+
+
+@pytest.mark.parametrize("typed", CASES.values(), ids=CASES)
+def test_the_result_is_the_same_to_the_last_bit(typed, cache):
+    without = solved("without", *typed, TRAJOPT_CACHE="off")
+    assert not cache.exists()
+    first = solved("first", *typed)
+    kept = {path.name: path.stat().st_mtime_ns for path in cache.iterdir()}
+    second = solved("second", *typed)
+    assert kept and {path.name: path.stat().st_mtime_ns for path in cache.iterdir()} == kept  # nothing was made anew
+    for key, value in without.items():
+        assert first[key] == value and second[key] == value, key
+
+
+def test_other_numbers_use_what_is_kept(cache):
+    """One compilation serves every number, and gives what they would have given alone."""
+    solved("first", "cartpole")
+    kept = sorted(own.name for own in entries() if own.size > 4000)
+    after = solved("after", "cartpole", "--set", "parameters.u_max=14")
+    assert sorted(own.name for own in entries() if own.size > 4000) == kept
+    assert after == solved("alone", "cartpole", "--set", "parameters.u_max=14", TRAJOPT_CACHE="off")
+
+
+@pytest.mark.parametrize("at", [30, -1])
+def test_damaged_entries_change_nothing(at, cache):
+    whole = solved("whole", "cartpole")
+    for path in cache.iterdir():
+        content = bytearray(path.read_bytes())
+        content[at] ^= 255
+        path.write_bytes(content)
+    assert solved("again", "cartpole") == whole == solved("third", "cartpole")
+
+
+def test_without_a_home_there_is_no_cache_and_no_word(folder):
+    environment = {key: value for key, value in os.environ.items() if key not in ("TRAJOPT_CACHE", "XDG_CACHE_HOME")}
+    run = process("solve", "cartpole", "-q", env={**environment, "HOME": "/proc/none"})
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+def test_equal_texts_are_of_equal_expressions():
+    x, third = se.Symbol("v0"), 0.1 + 0.2
+    pairs = [
+        (0.3 * x, third * x),
+        (x**0.3, x**third),
+        (se.sin(x) + 0.3, se.sin(x) + third),
+        (se.Piecewise((x, x > 0.3), (0, True)), se.Piecewise((x, x > third), (0, True))),
+        (se.Max(x, 0.3), se.Max(x, third)),
+        (2 * x, 2.0 * x),
+        (x / 3, x * (1 / 3)),
+        (0.0 * x + x, x),
+    ]
+    for one, other in pairs:
+        assert (told([one]) == told([other])) == (one == other), (one, other)
+    assert told([0.3 * x]) == told([se.Symbol("v0") * 0.3])
+
+
+def test_a_changed_program_is_another(tmp_path):
+    """A copy of trajopt has an identity of its own, and one more when one of its files is touched."""
+    root = Path(identity.__file__).parents[2]
+    shutil.copytree(root / "transcription", tmp_path / "transcription")
+    shutil.copytree(root / "problems", tmp_path / "problems")
+    before = list(identity._files(str(tmp_path), ".py"))
+    assert before == list(identity._files(str(tmp_path), ".py")) and len(before) > 200
+    os.utime(tmp_path / "problems" / "lean" / "records.py", (1, 1))
+    assert before != list(identity._files(str(tmp_path), ".py"))
+
+
+@pytest.mark.parametrize(
+    ("changed", "value"),
+    [("_processor", b"another"), ("_library", ["another"])],
+)
+def test_another_machine_or_library_is_another(changed, value, monkeypatch):
+    own = identity.identity.__wrapped__()
+    monkeypatch.setattr(identity, changed, lambda *_: value)
+    assert own and own != identity.identity.__wrapped__()
+
+
+def test_another_python_is_another(monkeypatch):
+    own = identity.identity.__wrapped__()
+    monkeypatch.setattr(sys, "version", "9.9")
+    assert own != identity.identity.__wrapped__()
+
+
+def test_where_the_processor_is_not_told_nothing_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(identity, "PROCESSOR", tmp_path / "cpuinfo")
+    assert identity.identity.__wrapped__() is None
+    (tmp_path / "cpuinfo").write_text("processor : 0\nmodel name : some\n")
+    assert identity.identity.__wrapped__() is None
+
+
+def test_the_command(cache):
+    def told(*arguments):
+        run = trajopt("cache", *arguments, "--json")
+        assert run.exit_code == 0
+        return json.loads(run.stdout)
+
+    nothing = {"folder": str(cache), "entries": 0, "bytes": 0, "deleted": 0}
+    assert told() == nothing
+    solved("a", "cartpole")
+    full = told()
+    assert full["entries"] == len(list(cache.iterdir())) and full["bytes"] > 10_000
+    assert str(cache) in trajopt("cache").stdout
+    assert told("clear") == {**nothing, "deleted": full["entries"]} and not list(cache.iterdir())
+    assert "deleted" in trajopt("cache", "clear").stdout
+
+
+def test_the_command_tells_why_there_is_no_cache(cache, monkeypatch):
+    cache.mkdir(mode=0o755)
+    run = trajopt("cache")
+    assert run.exit_code == 3 and "chmod 700" in run.stderr and str(cache) in run.stderr
+    monkeypatch.setenv("TRAJOPT_CACHE", "off")
+    run = trajopt("cache", "clear")
+    assert run.exit_code == 2 and "unset TRAJOPT_CACHE" in run.stderr
+    assert trajopt("cache", "wipe").exit_code == 2

@@ -1,0 +1,1 @@
+"""What is told of problems that cannot be solved."""

@@ -1,0 +1,122 @@
+"""What would have to give way: exact where the least change is known, and as `solve` and `explain` tell it."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import trajopt
+from derivatives import check_derivatives
+
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.transcription.failure.elastic import ElasticProgram
+from trajopt.transcription.failure.relax import explain
+from trajopt.transcription.failure.soft import soft_constraints
+from trajopt.transcription.layout import bounded_start
+from trajopt.transcription.settings import steps
+from trajopt.transcription.transcribe import compiled, transcribe
+
+from .test_failures import INFEASIBLE, PATH, problem
+
+SHORT = """\
+trajopt: 1
+name: too short
+time: {initial: 0, final: {lower: 0, upper: 3}}
+states:
+  q: {rate: v, initial: 1, final: 0, lower: 0, upper: 5}
+  v: {rate: u, initial: 2, final: 0, lower: -2, upper: 3}
+controls: {u: {lower: -1, upper: 1}}
+objective: {minimize: {terminal: "t[final]"}}
+"""
+
+
+def explained(text: str):
+    spec = load_text(text, "x.yaml")
+    own = build(spec)
+    return explain(own, [steps(spec.mesh)[0].mesh()] * len(own.phases))
+
+
+def moved(explanation) -> dict[str, tuple[float, float]]:
+    return {own.what: (own.after.lower, own.after.upper) for own in explanation.alternatives}
+
+
+def test_the_least_change_of_each_by_itself():
+    """x from 0 to 1 in time 1, at rest at both ends, |u| <= 1: time 2 would do, |u| <= 4, or a quarter of the way."""
+    found = explained(INFEASIBLE["bounds of a control"][0])
+    assert found.settled and not found.feasible
+    after = moved(found)
+    assert after["the final time"] == pytest.approx((2, 2), rel=1e-3)
+    assert after["the bounds of u"] == pytest.approx((-4, 4), rel=1e-2)
+    assert after["the final value of x"] == pytest.approx((0.25, 0.25), rel=1e-2)
+    shares = [own.share for own in found.alternatives]
+    assert shares == sorted(shares)
+
+
+def test_an_integral_a_free_time_and_a_boundary_constraint():
+    assert moved(explained(INFEASIBLE["an integral constraint"][0]))["integral constraint 'fuel'"][1] == pytest.approx(
+        12, rel=1e-3
+    )
+    assert moved(explained(SHORT))["the final time"][1] == pytest.approx(2 + 2 * np.sqrt(3), rel=2e-3)
+    assert moved(explained(INFEASIBLE["a boundary constraint"][0]))["boundary constraint 'too fast'"] == (0, 0)
+
+
+def test_a_constraint_over_time_says_when():
+    found = explained(problem(extra=PATH))
+    own = next(own for own in found.alternatives if own.what.startswith("path constraint"))
+    assert 0 < own.start < 0.2 and 0.8 < own.end < 1
+    assert str(own).startswith("path constraint 'speed limit' from 0.5 to 1.1")
+
+
+@pytest.mark.parametrize("method", ["hermite-simpson", "gauss", "runge-kutta-4"])
+def test_what_can_hold_holds(method):
+    found = explained(problem(method=method))
+    assert found.settled and found.feasible and not found.relief
+    trajectory = found.curves[0]
+    assert trajectory.x[:, -1] == pytest.approx([1, 0], abs=1e-6)
+
+
+def test_derivatives_of_the_elastic_program():
+    own = build(load_text(problem(extra=PATH), "x.yaml"))
+    transcription = transcribe(own, [steps(load_text(problem(extra=PATH), "x.yaml").mesh)[0].mesh()])
+    nlp = compiled(transcription)
+    soft = list(soft_constraints(own, transcription, nlp))
+    elastic = ElasticProgram(transcription, nlp, soft, bounded_start(transcription)[0], np.ones(len(soft)))
+    generator = np.random.default_rng(1)
+    check_derivatives(elastic, elastic.first(bounded_start(transcription)[0]) + generator.random(elastic.n))
+
+
+def test_solve_tells_what_would_do(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.yaml").write_text(SHORT)
+    run = trajopt("solve", "short.yaml")
+    assert run.exit_code == 1
+    first = run.stdout.splitlines()[:6]
+    assert any(line.startswith(("relax ", "or ")) and "the final time from 3 to 5.4" in line for line in first)
+    told = json.loads(trajopt("show", "short.h5", "--json").stdout)
+    assert any("the final time" in own for own in told["relief"])
+
+
+def test_the_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.yaml").write_text(SHORT)
+    run = trajopt("explain", "short.yaml")
+    assert run.exit_code == 1
+    assert "too short: the constraints cannot all hold" in run.stdout
+    assert "the final time" in run.stdout and "5.46" in run.stdout
+    told = json.loads(trajopt("explain", "short.yaml", "--json").stdout)
+    assert told["feasible"] is False and told["settled"] is True
+    times = next(own for own in told["alternatives"] if own["what"] == "the final time")
+    assert times["before"] == [0, 3] and times["after"][1] == pytest.approx(5.464, rel=2e-3)
+    longer = trajopt("explain", "short.yaml", "--set", "time.final.upper=10")
+    assert longer.exit_code == 0 and "the constraints can all hold" in longer.stdout
+
+
+def test_the_command_on_a_result(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.yaml").write_text(SHORT)
+    trajopt("solve", "short.yaml", "-q", "--set", "solver.max_iter=2")  # so that solve itself does not ask why
+    assert "the final time" in trajopt("explain", "short.h5").stdout
+    refused = trajopt("explain", "short.h5", "--set", "time.final.upper=10")
+    assert refused.exit_code == 2 and "give the problem file with --set" in refused.stderr
+    missing = trajopt("explain", "none.h5")
+    assert missing.exit_code == 3

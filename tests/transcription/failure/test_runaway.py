@@ -1,0 +1,82 @@
+"""Unbounded problems name what runs away; equations that say the same thing are named."""
+
+import numpy as np
+import pytest
+
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
+from trajopt.transcription.engines.outcome import Outcome, Status
+from trajopt.transcription.failure.dependent import dependent
+from trajopt.transcription.layout import bounded_start
+from trajopt.transcription.settings import steps
+from trajopt.transcription.transcribe import compiled, transcribe
+
+from .test_failures import failed, problem
+
+UNBOUNDED = {
+    "a control": (problem(states="x: {rate: u, initial: 0}", u="", objective='terminal: "-x[final]"'), "u runs to "),
+    "a time": (
+        problem(
+            states="x: {rate: u, initial: 0}",
+            objective='terminal: "-t[final]"',
+            final="{lower: 0.1, guess: 1}",
+        ),
+        "the final time runs to ",
+    ),
+    "a parameter": (
+        problem(
+            states="x: {rate: u + 0*p, initial: 0, final: 1}",
+            objective='terminal: "-p", integral: u**2',
+            extra="optimize: {p: {guess: 1}}",
+        ),
+        "p runs to ",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UNBOUNDED)
+def test_what_runs_away_is_named(case):
+    text, words = UNBOUNDED[case]
+    solution = failed(text, max_iter=300)
+    assert solution.trouble.startswith(words)
+    assert "give it bounds, or check the sign of the objective" in solution.trouble
+
+
+def named_dependent(extra: str) -> str:
+    spec = load_text(problem(extra=extra), "x.yaml")
+    transcription = transcribe(build(spec), [steps(spec.mesh)[0].mesh()])
+    nlp = compiled(transcription)
+    z, none = bounded_start(transcription)[0], np.zeros(nlp.n)
+    outcome = Outcome(Status.STEP_FAILED, z, np.zeros(nlp.m), none, none, 0.0, {})
+    return str(dependent(transcription, nlp, outcome))
+
+
+def test_equations_that_say_the_same_thing():
+    twice = "{name: one, expression: x, equals: 0.4}, {name: two, expression: 2*x, equals: 0.8}"
+    words = named_dependent(f"constraints: {{integral: [{twice}]}}")
+    assert words.startswith("these say the same thing")
+    assert "integral constraint 'one'" in words or "integral constraint 'two'" in words
+
+
+def test_a_constraint_that_the_ends_imply():
+    words = named_dependent("constraints: {integral: [{name: sum, expression: u, equals: 0}]}")
+    for part in ("integral constraint 'sum'", "value of v"):
+        assert part in words
+
+
+def test_independent_equations_name_nobody():
+    assert named_dependent("") == ""
+
+
+@pytest.mark.parametrize(
+    ("division", "base"), [("1/g(x, 0.5)", "g(x, 0.5)"), ("1/(f(f(x) + 1) - 1e-9*u)", "f(1.0 + f(x)) - 1e-09*u")]
+)
+def test_a_division_by_a_table(division, base):
+    """The objective falls without limit as the table, x - 1, comes to zero from below."""
+    tables = (
+        "tables: {f: {points: {x: [0, 1, 2]}, values: [-1, 0, 1], outside: extrapolate}, "
+        "g: {points: {x: [0, 2], y: [0, 1]}, values: [[-1, -1], [1, 1]], outside: extrapolate}}"
+    )
+    solution = failed(problem(states="x: {rate: u, initial: 0.3}", objective=f'integral: "{division}"', extra=tables))
+    assert "the objective divides by " in solution.trouble and "which runs to zero" in solution.trouble
+    assert base in solution.trouble, solution.trouble

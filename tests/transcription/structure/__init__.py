@@ -1,0 +1,1 @@
+"""The arcs of solutions, and polish by them."""
