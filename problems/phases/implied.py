@@ -2,7 +2,7 @@
 
 Where the dynamics keep a function of states whose values are given at both ends, one of the final ones is too many (see
 `conserved`). Among the equations at the ends, and among the path equalities, one follows from others if its gradient is
-a combination of theirs at every sample that meets all. Then the Jacobian of the nonlinear program has not full rank, and
+a combination of theirs at every sample that meets all. Then the Jacobian of the nonlinear program lacks rank, and
 multipliers are not unique. What follows is held to ALMOST only, where it takes no part: it holds because others do.
 """
 
