@@ -7,13 +7,13 @@ end at another optimum. Where that distance is more than the size of an unknown,
 that unknown by its size, all others by 1.
 
 Large ones. A constraint may be violated by 1e-8 in its unit. The defect of a state of 1e7 is a difference of terms that
-have no such digit. Where a state is as large as LARGE, the units are large (metres from the centre of a planet), and
-the program is scaled: everything by its size, free times by the duration, so that units do not matter.
+have no such digit; and a free time of 1e5 seconds moves by steps of 1. Where a state is as large as LARGE, or a free
+time as long as LONG, the units are small (metres from the centre of a planet), and the program is scaled: everything by
+its size, free times by the duration, so that units do not matter.
 
-The size of a state or an input is its largest magnitude along the start; of an input between bounds half of what is
-between them, for large ones.
-Of a static parameter it is its guess. If that is 0, it is the value at which it begins to act: with X the sizes of the
-states and T the duration,
+The size of a state or an input is its largest magnitude along the start (for large ones, of an input between bounds half
+of what is between them); of a static parameter it is its guess. If that is 0, it is the value at which it begins to
+act: with X the sizes of the states and T the duration,
 
     size = min over the states of  X / (T |df/dp|).
 """
@@ -32,7 +32,7 @@ from ..scaling import TIME
 from .other import slopes
 
 KAPPA = 0.01
-LARGE = 1e6
+LARGE, LONG = 1e6, 1e4
 
 
 def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
@@ -50,18 +50,23 @@ def _of_large(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
     sizes = dict[str, float]()
     for variable, size in _sizes(transcription, z):
         sizes[variable.name] = max(size, sizes.get(variable.name, 0.0))
-    if not any(sizes[state.name] >= LARGE for layout in transcription.phases for state in layout.phase.states):
+    states = [sizes[state.name] for layout in transcription.phases for state in layout.phase.states]
+    free = [_duration(layout.phase) for layout in transcription.phases if (layout.t >= 0).any()]
+    if max(states, default=0.0) < LARGE and max(free, default=0.0) < LONG:
         return {}
     for layout in transcription.phases:
-        phase, guess = layout.phase, layout.phase.guess
-        duration = abs(guess.final_time - guess.initial_time)
-        sizes[TIME] = max(duration, sizes.get(TIME, 0.0))
+        phase = layout.phase
         for own in phase.inputs:
             if np.isfinite([own.bounds.lower, own.bounds.upper]).all():
                 sizes[own.name] = (own.bounds.upper - own.bounds.lower) / 2
         for own in (*phase.states, *phase.inputs):
             sizes[own.name] = sizes[own.name] or _acts_at(phase, own.name)
+    sizes[TIME] = max(free, default=0.0)
     return {name: size for name, size in sizes.items() if 0 < size < np.inf}
+
+
+def _duration(phase: Phase) -> float:
+    return phase.guess.final_time - phase.guess.initial_time
 
 
 def _of_small(transcription: Transcription, z: np.ndarray) -> dict[str, float] | None:
@@ -89,7 +94,7 @@ def _sizes(transcription: Transcription, z: np.ndarray) -> Iterator[tuple[Variab
 def _acts_at(phase: Phase, name: str) -> float:
     """The value at which something that is 0 begins to act in a phase; infinite where it does not."""
     states, guess = [state for state in phase.states if depends_on(state.rate, {name})], phase.guess
-    duration = guess.final_time - guess.initial_time
+    duration = _duration(phase)
     sizes = [np.abs(guess.values[state.name]).max(initial=0.0) for state in states]
     steepest = [np.abs(slope).max(initial=0.0) * duration for slope in slopes(phase, guess, name, states)]
     found = [float(size / slope) for size, slope in zip(sizes, steepest, strict=True) if size > 0 and slope > 0]
