@@ -11,7 +11,7 @@ have no such digit; and a free time of 1e5 seconds moves by steps of 1. Where a 
 time as long as LONG, the units are small (metres from the centre of a planet), and the program is scaled: everything by
 its size, free times by the duration, so that units do not matter.
 
-The size of a state or an input is its largest magnitude along the start (for large ones, of an input between bounds half
+The size of a state or an input is its largest magnitude along the start (for large ones, of an input in bounds half
 of what is between them); of a static parameter it is its guess. If that is 0, it is the value at which it begins to
 act: with X the sizes of the states and T the duration,
 
