@@ -8,6 +8,7 @@ is too many; or the final values cannot be reached.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
 
@@ -93,7 +94,7 @@ def spread(names: int, samples: int) -> np.ndarray:
 
     Shape (names, samples).
     """
-    irrational = np.sqrt(np.arange(names) + np.e)
+    irrational = np.sqrt(np.arange(names) + math.e)
     return 0.1 + 0.8 * (np.outer(irrational, np.arange(1, samples + 1)) % 1.0)
 
 
@@ -137,7 +138,7 @@ def _kept(matrix: np.ndarray) -> np.ndarray:
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
     """An orthonormal basis of the null space, by columns."""
-    _, sizes, vectors = np.linalg.svd(matrix, full_matrices=True)
+    _, sizes, vectors = np.linalg.svd(matrix, full_matrices=False)  # there are more rows than columns
     rank = int((sizes > ROUNDING * sizes.max(initial=0.0)).sum())
     return vectors[rank:].T
 
