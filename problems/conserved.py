@@ -9,7 +9,7 @@ is too many; or the final values cannot be reached.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -58,11 +58,14 @@ def conserved(
     names, rates: of these states.
     first, last: their values at the initial and at the final time.
     """
-    if len(names) < 2:
+    found = {name: names_asked(rate) for name, rate in zip(names, rates, strict=True)} if len(names) > 1 else {}
+    chosen = [i for i, name in enumerate(names) if name in _tied(found)]
+    if not chosen:
         return None
+    names, rates, first, last = ([own[i] for i in chosen] for own in (names, rates, first, last))
     pairs = list(combinations_with_replacement(range(len(names)), 2)) if len(names) <= MOST else []
     samples = 2 * (len(names) + len(pairs))
-    asked = sorted(set(names).union(*map(names_asked, rates)))
+    asked = sorted(set(names).union(*(found[name] for name in names)))
     values = dict(zip(asked, spread(len(asked), samples), strict=True))
     sizes = np.maximum(np.abs(first), np.abs(last))
     values |= {name: values[name] * size for name, size in zip(names, sizes, strict=True) if size > 0}
@@ -84,6 +87,23 @@ def conserved(
         gradients[i] += coefficients * last[j]
         gradients[j] += coefficients * last[i]
     return Conserved([names[i] for i in _reduced(gradients.T)[1]])
+
+
+def _tied(asked: Mapping[str, set[str]]) -> set[str]:
+    """The states that may be in a kept function: not one whose rate alone has something that no kept function can have
+    in it, as a control; and none that is left alone by that.
+
+    asked: the names in the rate of each.
+    """
+    tied = set(asked)
+    while alone := {name for name in tied if _only(name, tied, asked)}:
+        tied -= alone
+    return tied
+
+
+def _only(name: str, tied: Collection[str], asked: Mapping[str, set[str]]) -> bool:
+    """Whether the rate of one of these states has something in it, none of them, that no other rate of theirs has."""
+    return bool(asked[name].difference(tied, *(asked[other] for other in tied if other != name)))
 
 
 def spread(names: int, samples: int) -> np.ndarray:
