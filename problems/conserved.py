@@ -14,9 +14,9 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from .expressions.expression import Expression
 from .lean.records import dataclass
 from .probe import names_asked
+from .quantities import Function
 
 MOST = 12
 """States whose products are looked at; of more, the sums only."""
@@ -51,7 +51,7 @@ class Conserved:
 
 
 def conserved(
-    names: Sequence[str], rates: Sequence[Expression], first: Sequence[float], last: Sequence[float]
+    names: Sequence[str], rates: Sequence[Function], first: Sequence[float], last: Sequence[float]
 ) -> Conserved | None:
     """What the dynamics keep of states whose values are given at both ends; None where they keep nothing.
 
@@ -62,7 +62,8 @@ def conserved(
     chosen = [i for i, name in enumerate(names) if name in _tied(found)]
     if not chosen:
         return None
-    names, rates, first, last = ([own[i] for i in chosen] for own in (names, rates, first, last))
+    names, rates = [names[i] for i in chosen], [rates[i] for i in chosen]
+    first, last = [first[i] for i in chosen], [last[i] for i in chosen]
     pairs = list(combinations_with_replacement(range(len(names)), 2)) if len(names) <= MOST else []
     samples = 2 * (len(names) + len(pairs))
     asked = sorted(set(names).union(*(found[name] for name in names)))

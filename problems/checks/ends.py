@@ -48,8 +48,8 @@ def contradictory_ends(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     rates = [symbols.function(own.rate) for own in states]
     found = conserved([own.name for own in states], rates, first, last)
     if found and (wrong := found.contradicted):
-        both = f"{wrong.initial:.7g} at the initial and {wrong.final:.7g} at the final time"
-        what = f"the final values cannot be reached: the dynamics keep {wrong.function}, which is {both}"
+        values = f"{wrong.initial:.7g} at the initial and {wrong.final:.7g} at the final time"
+        what = f"the final values cannot be reached: the dynamics keep {wrong.function}, which is {values}"
         remedy = "leave out one of the final values in it, or give values that agree to 6 digits"
         last_one = next(own for own in states if own.name == wrong.state)
         yield Finding((*last_one.path, "final"), what, remedy)
