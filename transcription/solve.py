@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.phases.invariant import kept
+from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve

@@ -10,7 +10,7 @@ from math import isfinite
 
 import numpy as np
 
-from ..conserved import conserved
+from ..conserved.conserved import conserved
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
 from ..quantities import Range

@@ -14,9 +14,9 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from .lean.records import dataclass
-from .probe import names_asked
-from .quantities import Function
+from ..lean.records import dataclass
+from ..probe import names_asked
+from ..quantities import Function
 
 MOST = 12
 """States whose products are looked at; of more, the sums only."""

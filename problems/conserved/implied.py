@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..conserved import RANK, conserved, spread
 from ..expressions.expression import Expression, together
 from ..probe import derivatives, names_asked
 from ..problem import Phase
 from ..quantities import Constraint
+from .conserved import RANK, conserved, spread
 from .invariant import MET, almost
 
 SAMPLES, STEPS = 5, 15
