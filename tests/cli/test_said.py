@@ -105,6 +105,23 @@ def test_compare_is_one_table_in_the_order_of_what_differs(folder):
     assert [row.split()[1] for row in rows] == ["2", "9", "10"]
 
 
+def test_compare_of_other_problems_names_them(folder):
+    """Their values are not laid side by side, and a unit alone makes no other problem."""
+    (folder / "said.yaml").write_text(FILE)
+    (folder / "told.yaml").write_text(
+        FILE.replace("name: said", "name: told").replace("u_max: 5", "v_max: 5, u_max: 4")
+    )
+    (folder / "unit.yaml").write_text(FILE.replace("u_max: 5", "u_max: {value: 5, unit: N}"))
+    files = [solved_once(folder / f"{name}.h5", f"{name}.yaml") for name in ("said", "told", "unit")]
+    run = trajopt("compare", *files[:2])
+    head, *rows = run.stdout.splitlines()
+    assert head.split()[:3] == ["file", "problem", "method"]
+    assert sorted(row.split()[1] for row in rows) == ["said", "told"]
+    assert "these are results of different problems, which differ in parameters." in run.stderr
+    alike = trajopt("compare", files[0], files[2])
+    assert (alike.stderr, alike.stdout.split()[:2]) == ("", ["file", "method"])
+
+
 def test_compare_is_in_the_order_of_segments_if_nothing_else_differs(folder):
     (folder / "said.yaml").write_text(FILE)
     files = [
