@@ -67,8 +67,8 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
         shown, equals, value = text.partition("=")
         try:
             if not equals or not shown.strip():
-                path, colon, own = text.partition(":")
-                remedy = f"write --set {path}={own.strip()}" if colon and own.strip() else EXAMPLE
+                before, colon, own = text.partition(":")
+                remedy = f"write --set {before}={own.strip()}" if colon and own.strip() else EXAMPLE
                 raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", remedy))
             if value.startswith("="):
                 remedy = f"write --set {shown.strip()}={value.lstrip('= ')}"
