@@ -20,6 +20,9 @@ _DEGREES = re.compile(r"°|deg|degs|degree|degrees")
 _RESULT, _CSV = re.compile(r"\S+\.(h5|hdf5|nc)"), re.compile(r"\S+\.csv")
 _ASSIGNED = re.compile(r"[\w./()']+\s*=\s*([^=].*)")
 
+LONGEST = 300
+"""Characters of a slip: what is longer is none, and would take its time to look through."""
+
 _SIDES = ("lower", "upper")
 ENDLESS = ["inf", "Inf", "INF", "infinity", "Infinity", "oo"]
 """Words for an end that is none."""
@@ -55,6 +58,8 @@ def value_wish(path: Path, given: Any) -> Words | None:
     path: of the value; it may go on into a long form that the file does not have.
     given: the value.
     """
+    if isinstance(given, str) and len(given) > LONGEST:
+        return None
     if path[-1:] in (("value",), ("expression",)) and not (isinstance(given, str) and _ASSIGNED.fullmatch(given)):
         path = path[:-1]
     if not path:
