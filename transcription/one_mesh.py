@@ -17,8 +17,8 @@ from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .failure.diagnose import diagnose
 from .layout import Transcription, bounded_start
+from .libraries.alone import building
 from .measured.knots import measured_fractions, with_knots
-from .program.alone import building
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
 from .refinement.unwound import unwound

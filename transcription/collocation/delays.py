@@ -20,16 +20,13 @@ that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the obje
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ...problems.errors import Mistake
 from ...problems.lean.records import dataclass
-from ...problems.problem import Phase, Problem
 from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY
 from ..libraries.pyomo import Constraint, RangeSet, pyomo
@@ -41,21 +38,6 @@ from .builder import PhaseBuilder
 
 ALIGNED = 1e-11
 """Of the duration, or of a segment: a time this near to a knot, to a node, or to the initial time, is there."""
-
-
-def refused_by_collocation(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mistake]:
-    """Why a phase or a mesh is none for collocation.
-
-    problem: not looked at; all methods are asked with the same arguments.
-    phase: its states at earlier times need a value at every node of the segments.
-    mesh: of collocation schemes.
-    """
-    eliminated = [scheme.name for scheme in mesh.schemes if collocation_scheme(scheme).eliminated]
-    if phase.delayed and eliminated:
-        what = (
-            f"{eliminated[0]} has no unknowns in the middle of a segment, where {phase.delayed[0].name} looks for them"
-        )
-        yield Mistake("mesh", what, "write hermite-simpson, or another collocation method")
 
 
 def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,7 +18,7 @@ from ...problems.lean.records import dataclass
 from ...problems.schema.fields import MAX_DEGREE
 from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
 from ...problems.text import did_you_mean
-from ..program.alone import LOCK
+from ..libraries.alone import LOCK
 from .discrete import EXACT
 from .finite_difference import FiniteDifference
 from .orthogonal import chebyshev, collocated_at, gauss, lobatto, radau, radau_left

@@ -19,7 +19,7 @@ from ...problems.lean.records import dataclass
 from ...problems.probe import depends_on, slope
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable
-from ..program.alone import building
+from ..libraries.alone import building
 from ..program.pointwise import compiled_values
 
 POINTS = 101
