@@ -40,14 +40,14 @@ COMMANDS = {
 class Command(TyperCommand):
     """One command, whose words are taken as they were typed."""
 
-    def get_params(self, ctx: typer.Context) -> list[Any]:
+    def get_params(self, ctx: Any) -> list[Any]:
         return as_typed(super().get_params(ctx))
 
 
 class Commands(TyperGroup):
     """The commands; each is imported when it is asked for: modules and options of all take longer than a solve."""
 
-    def get_params(self, ctx: typer.Context) -> list[Any]:
+    def get_params(self, ctx: Any) -> list[Any]:
         return as_typed(super().get_params(ctx))
 
     def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]  # typer's own, not click's

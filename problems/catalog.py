@@ -10,7 +10,7 @@ from typing import Any
 from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
 from .lean.records import dataclass
-from .text import did_you_mean
+from .text import did_you_mean, shorten
 
 _FOLDER = Path(__file__).parent
 TEMPLATE = "template"
@@ -59,7 +59,7 @@ def find_problem(name: str) -> Path:
     them, SpecError for an override in the place of a file.
     """
     path = Path(name)
-    if path.exists():
+    if _exists(path):
         return path
     known = shipped()
     if path.parent == Path() and path.name.removesuffix(".yaml") in known:
@@ -77,6 +77,16 @@ def find_problem(name: str) -> Path:
         raise FileError(Mistake(name, "there is no such file", f"look into {path.parent}"))
     remedy = did_you_mean(path.name.removesuffix(".yaml"), known, always="trajopt list shows those that are shipped")
     raise FileError(Mistake(name, "there is no such file and no shipped problem of that name", remedy))
+
+
+def _exists(path: Path) -> bool:
+    """Whether there is a file or folder of that name. Raises FileError for what cannot be the name of one."""
+    try:
+        return path.exists()
+    except (OSError, ValueError) as error:  # too long, in a folder that may not be looked into, a zero in it
+        reason = (getattr(error, "strerror", "") or str(error)).lower()
+        what = f"this cannot be the name of a file ({reason})"
+        raise FileError(Mistake(shorten(str(path)), what, "check its name and its folder")) from error
 
 
 def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:

@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
-from .lean.records import dataclass
+from .expressions.expression import Together, together
+from .lean.records import dataclass, only_fields
 from .quantities import Complementarity, Constraint, Delayed, Function, Measured, Output, Range, State, Variable
 from .text import short_repr, shorten
 
@@ -106,6 +108,8 @@ class Phase:
     follows: tuple[str, ...] = ()
     implied: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
+    __getstate__ = only_fields
+
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""
         return {name: getattr(curves, f"{end}_time") for name, end in self.time_parameters.items()}
@@ -149,6 +153,15 @@ class Phase:
         time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
 
+    @cached_property
+    def rates(self) -> Together:
+        """The rates of the states, at once."""
+        return together([state.rate for state in self.states])
+
+    @cached_property
+    def residuals_at_once(self) -> Together:
+        return together([own.function for own in self.residuals])
+
     @property
     def over_time(self) -> tuple[Function, ...]:
         """Every function of the values at one time that the problem needs."""
@@ -177,7 +190,7 @@ class Phase:
         """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
-            rates = [np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states]
+            rates = [np.broadcast_to(rate, np.shape(t)) for rate in self.rates(values, np)]
         return np.stack(rates) if rates else np.zeros((0, *np.shape(t)))
 
 

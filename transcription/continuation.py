@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, floor
 from time import perf_counter
@@ -23,6 +23,7 @@ from ..problems.lean.records import dataclass
 from ..problems.load import load_text
 from ..problems.problem import Curves, Problem
 from ..problems.schema.spec import Spec
+from ..problems.text import did_you_mean, shorten
 from ..problems.yaml.locations import Finding
 from .settings import schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
@@ -34,6 +35,9 @@ SMALLEST = 1 / 64
 
 RELAX = "relax"
 """The key of a complementarity that is walked through."""
+
+SECTIONS = ("parameters", "time", "states", "controls", "algebraic", "optimize", "constraints", "links", "phases")
+"""What has numbers that are looked at for a path that leads to none."""
 
 Progress = Callable[[int, dict], None] | None
 Stop = Callable[[], bool] | None
@@ -84,7 +88,7 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
         own = _number_at(data, path)
         if own is None:
             what = f"{path} is no number in this file, so there is nothing to go through"
-            wrong.append(Finding(("continuation", path), what, "name a number, such as parameters.g"))
+            wrong.append(Finding(("continuation", path), what, _meant(path, data)))
         else:
             way[path] = [*values, own] if values[-1] != own else list(values)
     if not wrong and len({len(values) for values in way.values()}) > 1:
@@ -117,14 +121,43 @@ def _relaxed(spec: Spec) -> dict[str, list[float]]:
     }
 
 
-def _number_at(data: Any, path: str) -> float | None:
+def _node_at(data: Any, path: str) -> Any:
     for step in path.split("."):
         if isinstance(data, list):
             data = data[int(step)] if step.isdigit() and int(step) < len(data) else None
         else:
             data = data.get(step) if isinstance(data, dict) else None
+    return data
+
+
+def _number_at(data: Any, path: str) -> float | None:
+    data = _node_at(data, path)
     data = data.get("value") if isinstance(data, dict) else data
     return float(data) if isinstance(data, int | float) and not isinstance(data, bool) else None
+
+
+def _meant(path: str, data: Mapping[str, Any]) -> str:
+    """The remedy for a path that leads to no number: the numbers of the file that have its steps in theirs."""
+    known = list(_numbers(data))
+    close = [own for own in known if f".{path}." in f".{own}."]
+    if not close:
+        example = next((own for own in known if own.startswith("parameters.")), "parameters.g")
+        return did_you_mean(path, known, f"name a number, such as {example}")
+    return f"write {close[0]}" if len(close) == 1 else f"name one number: {shorten(', '.join(close), 120)}"
+
+
+def _numbers(data: Mapping[str, Any]) -> Iterator[str]:
+    """The paths of the numbers of a file that say something of its problem."""
+    for section in SECTIONS:
+        inside = [section]
+        while inside:
+            path = inside.pop()
+            if _number_at(data, path) is not None:
+                yield path
+                continue
+            node = _node_at(data, path)
+            keys = node if isinstance(node, dict) else range(len(node)) if isinstance(node, list) else ()
+            inside += [f"{path}.{key}" for key in reversed(list(keys))]
 
 
 def _at(spec: Spec, values: Mapping[str, float]) -> Spec:

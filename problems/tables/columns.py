@@ -81,7 +81,7 @@ def numbers_of(rows: Rows, columns: Mapping[str, int], file: str, gaps: Containe
         for j, (name, k) in enumerate(columns.items()):
             if not cells[k] and name in gaps:
                 continue
-            number = _number(cells[k])
+            number = number_of(cells[k])
             if number is None:
                 shown = f'"{brief(cells[k])}" is no finite number' if cells[k] else "the cell is empty"
                 what = f"{brief(file)}, line {line}, column {brief(name)}: {shown}"
@@ -155,7 +155,8 @@ def _rows(text: str, file: str) -> Rows:
     return rows
 
 
-def _number(cell: str) -> float | None:
+def number_of(cell: str) -> float | None:
+    """The number in a cell; None for what is no finite one."""
     try:
         number = float(cell) if "_" not in cell else float("nan")
     except ValueError:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..text import brief, did_you_mean
 from .choices import MAX_ARGUMENTS
-from .columns import ColumnsError, Trouble, numbers_of, read_rows, refuse
+from .columns import ColumnsError, Trouble, number_of, numbers_of, read_rows, refuse
 
 
 class Grid(NamedTuple):
@@ -21,18 +21,27 @@ class Grid(NamedTuple):
     values: list[Any]
 
 
-def read_table(folder: Path, file: str, arguments: Sequence[str] | None, value: str | None) -> Grid:
+def read_table(folder: Path, file: str, name: str, arguments: Sequence[str] | None, value: str | None) -> Grid:
     """The table in a CSV file.
 
     folder: that of the problem file.
     file: the path in it.
-    arguments: the columns that are arguments; None for those before the last, or all but that of the value.
-    value: the column of the values; None for the last, or the only one that is no argument.
+    name: of the table.
+    arguments: the columns that are arguments. None for the first alone where nothing stands twice in it, so that no
+        grid of several arguments has it, and else for all but that of the values.
+    value: the column of the values; None for the only one that is no argument, the one called as the table, or, of a
+        grid, the last.
 
     Raises ColumnsError with every mistake.
     """
     rows = read_rows(folder, file)
-    columns = _columns(rows[0][1], arguments, value, file)
+    header = rows[0][1]
+    if arguments is None and len(header) > 2 and value != header[0]:
+        first = [number_of(cells[0]) for _, cells in rows[1:]]
+        arguments = header[:1] if len(set(first)) == len(first) > 1 else None
+    if value is None and name in header and name not in (arguments or header[:1]):
+        value = name
+    columns = _columns(header, arguments, value, file)
     numbers = numbers_of(rows, columns, file)
     return _grid(list(columns)[:-1], numbers, [line for line, _ in rows[1:]], file)
 
@@ -55,9 +64,8 @@ def _columns(
     others = [name for name in header if name not in arguments]
     if value is None and len(others) != 1:
         listed = f"its columns are {', '.join(map(brief, header))}"
-        raise refuse(
-            f"which column of {brief(file)} holds the values is not clear", f"add value: with its name; {listed}"
-        )
+        what = f"which column of {brief(file)} has the values over {' and '.join(map(brief, arguments))} is not clear"
+        raise refuse(what, f"add value: with its name; {listed}")
     value = value or others[0]
     if not 1 <= len(arguments) <= MAX_ARGUMENTS or value in arguments or len(set(arguments)) < len(arguments):
         what = f"the arguments of {brief(file)} are {', '.join(map(brief, arguments)) or 'none'}"
@@ -84,7 +92,8 @@ def _grid(names: list[str], numbers: np.ndarray, lines: list[int], file: str) ->
         at = np.unravel_index(absent, [len(own) for own in points])
         missing = _at(names, [own[k] for own, k in zip(points, at, strict=True)])
         what = f"{brief(file)} has {len(place)} of the {size} points of a full grid: {missing} is missing, for one"
-        raise refuse(what, f"write a line for every pair of points of {' and '.join(names)}")
+        remedy = f"write a line for every pair of points of {' and '.join(names)}"
+        raise refuse(what, f"{remedy}; of curves over one column name that under arguments:")
     values = numbers[order, -1].reshape([len(own) for own in points])
     return Grid(dict(zip(names, (own.tolist() for own in points), strict=True)), values.tolist())
 

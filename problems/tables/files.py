@@ -40,7 +40,7 @@ def _tables(data: dict[str, Any], folder: Path | None) -> Iterator[Finding]:
         try:
             if folder is None:
                 raise ColumnsError([NO_FOLDER])
-            grid = read_table(folder, entry["file"], entry.get("arguments"), entry.get("value"))
+            grid = read_table(folder, entry["file"], name, entry.get("arguments"), entry.get("value"))
         except ColumnsError as error:
             yield from (Finding(("tables", name, "file"), what, remedy) for what, remedy in error.troubles)
             del tables[name]

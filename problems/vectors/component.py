@@ -15,6 +15,7 @@ from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
 from ..yaml.told import Made
 from .algebra import Scalar, Shape, Value, as_vector, in_words, indexed, shape_of
+from .misfits import Misfit
 from .parsed import names_in
 from .reader import evaluate
 from .scope import DEFINED, RATES, Names
@@ -81,7 +82,8 @@ def each_of(value: Value, names: Names, path: Path, to: Path) -> Iterator[Compon
 class Filler:
     """Finds the values of components.
 
-    origin: path that is written -> that in the file. findings: mistakes. made, texts: as of `told.InWords`.
+    origin: path that is written -> that in the file. findings: mistakes; misfits: those of vectors that do not go
+    together, and the like. made, texts: as of `told.InWords`.
     """
 
     def __init__(self) -> None:
@@ -89,6 +91,7 @@ class Filler:
         self.made: dict[Path, Made] = {}
         self.texts: dict[Path, tuple[str, str]] = {}
         self.findings: list[Finding] = []
+        self.misfits: list[Misfit] = []
         self.known: dict[tuple[int, str], Value | None] = {}
         self.count = 0
 
@@ -169,7 +172,8 @@ class Filler:
         """
         concerned = names_in(mistake.text) if mistake.text else ()
         if not any(map(names.unclear, concerned)):
-            self.findings.append(Finding(path, mistake.what, mistake.remedy))
+            inside = concerned if mistake.text in tidy(text) else ()  # and not in a function, with names of its own
+            self.misfits.append(Misfit(Finding(path, mistake.what, mistake.remedy), names.vectors_among(inside)))
         return Scalar(found, UNDECLARED) if (found := self._undeclared(text, names)) else MISTAKEN
 
     def _undeclared(self, text: str, names: Names) -> str:

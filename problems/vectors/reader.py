@@ -11,11 +11,9 @@ import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
-from ..expressions.lacking import LACKING
-from ..expressions.slips import ENDS, MAX_LENGTH, RATE, check_syntax
-from ..expressions.tokens import ExpressionError
+from ..expressions.slips import ENDS, MAX_LENGTH, RATE
 from ..language.loops import Mistaken
 from ..text import shorten, tidy
 from . import algebra
@@ -34,13 +32,12 @@ from .algebra import (
     mapped,
     shape_of,
 )
-from .parsed import names_of, parsed, with_colons
+from .parsed import names_of
+from .texts import OWN, FileFunction, Scope, Slip, Text
 from .wanted import unknown_function
 
 MAX_CALLS = 200  # of functions of the file in one text, and in their bodies
 
-OWN = frozenset(FUNCTIONS) - {"norm", "sum"}
-"""Functions that no text without vectors has."""
 _OF_ALL = ("min", "max")  # of one vector: of its components
 
 _OPERATORS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
@@ -54,33 +51,7 @@ _SPINE = tuple(_OPERATORS)
 _LEVELS = {ast.Mult: PRODUCT, ast.Div: PRODUCT, ast.Pow: POWER}
 _ATOMS = (ast.Name, ast.Constant, ast.Call, ast.Attribute, ast.Subscript)
 
-_NAME = re.compile(r"[A-Za-z_][\w.]*")
-_COMPONENT = re.compile(r"([A-Za-z_][\w.]*)\[\s*(\d+)\s*\]")
-_LIST = re.compile(r"(?:^|[-+*/@(,\[])\s*\[")
 _END = re.compile(rf"\[({'|'.join(ENDS)})\]")
-
-
-class FileFunction(NamedTuple):
-    """A function of the file. of_vectors: whether its body has vectors in it whatever its arguments are."""
-
-    arguments: Sequence[str]
-    body: str
-    of_vectors: bool
-
-
-class Scope(Protocol):
-    """What names mean in a text. called: those that have arguments, of tables and of functions of the file."""
-
-    called: frozenset[str]
-
-    def vector(self, name: str) -> Value | None:
-        """The components of a name, which may be that of a phase, a point, and a name in it; None for a scalar."""
-
-    def function(self, name: str) -> FileFunction | None:
-        """The function of the file that has the name."""
-
-    def fixed(self, name: str) -> bool:
-        """Whether a name has the same value at all times."""
 
 
 def evaluate(text: str, scope: Scope) -> Value | None:
@@ -102,11 +73,7 @@ def is_of_vectors(text: str, arguments: Sequence[str], scope: Scope) -> bool:
     return _Reader(tidy(text), scope, scalars).has_vectors()
 
 
-class _Slip(Mistaken):
-    """What no expression may look like, with vectors or without."""
-
-
-class _Reader:
+class _Reader(Text):
     """Reads one text, which may be the body of a function.
 
     arguments: what the names of its arguments stand for.
@@ -122,19 +89,12 @@ class _Reader:
         within: tuple[str, ...] = (),
         calls: list[int] | None = None,
     ):
-        self.text, self.scope, self.arguments = with_colons(text), scope, arguments
+        super().__init__(text, scope, arguments)
         self.within, self.calls = within, calls or [0]
-        self.colons = ":" in text
-        self.tree = parsed(self.text)
-        self.concerned: set[int] = set()  # the nodes that have something of vectors in or below them
-        for node in reversed(list(ast.walk(self.tree))) if self.tree else ():
-            inside = any(id(own) in self.concerned for own in ast.iter_child_nodes(node))
-            if inside or self._is_special(node):
-                self.concerned.add(id(node))
 
     def whole(self) -> Value | None:
         """The value of the text; None if it is a scalar without vectors in it, or calls what the language lacks."""
-        if self.tree is not None and any(self._is_lacking(node) for node in ast.walk(self.tree)):
+        if self.tree is not None and any(self.is_lacking(node) for node in ast.walk(self.tree)):
             return None
         if self.tree is None:
             return Scalar(self.plain(self.text), SUM) if self.mentions_vectors() else None
@@ -142,67 +102,18 @@ class _Reader:
             return None
         return self.value(self.tree)
 
-    def mentions_vectors(self) -> bool:
-        """Whether a text that cannot be read has the name of a vector in it."""
-        return any(isinstance(self.named(name), list) for name in _NAME.findall(self.text))
-
-    def plain(self, text: str) -> str:
-        """A text that cannot be read, with names in place of the components in it. Raises Mistaken for a slip in it."""
-        new = _COMPONENT.sub(self._plain, text)
-        try:
-            check_syntax(new.replace("@", "*"), self.scope.called)
-        except ExpressionError as error:
-            if _LIST.search(new):  # which is none of the slips that are looked for
-                what = f'"{shorten(text, 60)}" cannot be read as an expression'
-                raise _Slip(what, "look for a missing operator, bracket or comma") from error
-            raise _Slip(error.what, error.remedy) from error
-        return new
-
-    def _plain(self, found: re.Match[str]) -> str:
-        value, index = self.named(found[1]), int(found[2])
-        own = value[index - 1] if isinstance(value, list) and 1 <= index <= len(value) else None
-        return own.text if isinstance(own, Scalar) else found[0]
-
-    def _is_lacking(self, node: ast.AST) -> bool:
-        """Whether a node calls interp(...) and the like, of which the reader of plain expressions tells."""
-        name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
-        return name in LACKING and name not in FUNCTIONS and name not in self.scope.called
-
-    def _is_special(self, node: ast.AST) -> bool:
-        match node:
-            case ast.Name(id=name):
-                return name in self.arguments or self.scope.vector(name) is not None
-            case ast.Attribute(value=ast.Name(id=phase), attr=name):
-                return self.scope.vector(f"{phase}.{name}") is not None
-            case ast.Call(func=ast.Name(id=name)):
-                own = self.scope.function(name)
-                return name in OWN if own is None else own.of_vectors
-            case ast.List() | ast.MatMult():
-                return True
-        return False
-
     def has_vectors(self) -> bool:
         """Whether there is anything of vectors in the text, or its arguments, now scalars, are to be such."""
         inside = ast.walk(self.tree) if self.tree else ()
-        if any(self._is_special(node) and getattr(node, "id", None) not in self.arguments for node in inside):
+        if any(self.is_special(node) and getattr(node, "id", None) not in self.arguments for node in inside):
             return True
         try:
             self.whole()
-        except _Slip:  # of which is told where the function is declared
+        except Slip:  # of which is told where the function is declared
             return False
         except Mistaken:
             return True
         return False
-
-    def named(self, name: str) -> Value | None:
-        return self.arguments[name] if name in self.arguments else self.scope.vector(name)
-
-    def source(self, node: ast.expr) -> str:
-        return self.text[node.col_offset : node.end_col_offset]
-
-    def refuse(self, node: ast.expr, what: str, remedy: str) -> Mistaken:
-        shown = self.source(node) if self.colons else self.source(node).replace(":", "..")
-        return Mistaken(f'"{shorten(shown, 60)}": {what}', remedy, shown)
 
     def value(self, node: ast.expr) -> Value:
         """The value of a node."""

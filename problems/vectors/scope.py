@@ -13,8 +13,10 @@ from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .algebra import Scalar, Shape, Value, in_words, mapped, shape_of
+from .misfits import Misfit, Vector
 from .parsed import names_in
-from .reader import OWN, FileFunction, evaluate, is_of_vectors
+from .reader import evaluate, is_of_vectors
+from .texts import OWN, FileFunction
 
 INTEGRAL = "integral"
 DECLARED = ("states", "controls", "algebraic", "optimize")
@@ -29,7 +31,7 @@ RATES = ("rate", "accel", "next")
 
 
 class Names:
-    """The names of a file, or of one phase in it: a `reader.Scope`."""
+    """The names of a file, or of one phase in it: a `texts.Scope`."""
 
     def __init__(self, data: Mapping[str, Any], numbers: Mapping[str, int | str], above: Names | None, path: Path):
         """The names of some data.
@@ -42,6 +44,7 @@ class Names:
         self.data, self.numbers, self.above, self.path = data, numbers, above, path
         self.called: frozenset[str] = above.called if above else called_names(data)
         self.findings: list[Finding] = []
+        self.misfits: list[Misfit] = []
         self.counted: set[str] = set()
         self.vectors: dict[str, Value] = {}
         self.defined: dict[str, Any] = {}
@@ -114,7 +117,8 @@ class Names:
             remedy = f"write size: {size} beside it, or give one component, as in q[1]"
             self._make(name, entry, shape)
             self.waiting.clear()
-        self.findings.append(Finding(path, f"{name} is {in_words(own)}, and its {key} {in_words(shape)}", remedy))
+        told = Finding(path, f"{name} is {in_words(own)}, and its {key} {in_words(shape)}", remedy)
+        self.misfits.append(Misfit(told, self.vectors_among([name, *names_in(entry[key])])))
         self.guessed.add(name)
 
     def _shape(self, size: Any) -> Shape:
@@ -162,6 +166,21 @@ class Names:
         except Mistaken:
             return ()
         return () if found is None else shape_of(found)
+
+    def vectors_among(self, names: Iterable[str]) -> dict[str, Vector]:
+        """The vectors among some names, in this order."""
+        found = {name: shape_of(own) for name in names if (own := self.vector(name)) is not None}
+        return {name: Vector(shape, self._said_at(name)) for name, shape in found.items()}
+
+    def _said_at(self, name: str) -> Path:
+        """Where the file says the size of a vector: at its own, or by a list."""
+        for section in (*DECLARED, *DEFINED):
+            entry = entries_of(self.data, section).get(name)
+            if isinstance(entry, dict) and "size" in entry:
+                return (*self.path, section, name, "size")
+            if isinstance(entry, list):
+                return (*self.path, section, name)
+        return self.above._said_at(name) if self.above else ()
 
     def unclear(self, name: str, seen: frozenset[str] = frozenset()) -> bool:
         """Whether nobody knows the size of a name: it is declared nowhere, or mistaken, or made of such names."""

@@ -24,15 +24,16 @@ from ..yaml.locations import Finding
 from ..yaml.told import InWords, Made, Named
 from .algebra import Scalar, Shape, each, in_words, indexed, shape_of
 from .component import KEPT, MISTAKEN, Component, Filler, each_of
-from .reader import OWN
+from .misfits import told_once
 from .scope import DECLARED, DEFINED, RATES, Names, entries_of
+from .texts import OWN
 
 _ITEMS = {"residuals": ("expression",), "links": ("expression",), "complementarity": ("a", "b")}
 """Lists of what holds -> the keys of their expressions."""
 _CONSTRAINT = ("expression",)
 _PLAIN = ("time", "objective", "nonsmooth")
 _GUESSES = ("constants", "formulas", "simulate", "keyframes")
-_SIGNS = re.compile(rf"\b(?:{'|'.join(sorted(OWN))})\s*\(|@|[(,]\s*\[")
+_SIGNS = re.compile(rf"\b(?:{'|'.join(sorted(OWN))})\s*\(|@|(?:^|[(,])\s*\[")
 POINTS = ("line", "point", "circle", "box")
 """Kinds of shapes in a drawing that have points."""
 _OF_RATE = re.compile(r"(\w+)(\[rate\])")
@@ -103,7 +104,8 @@ def written_out(data: Mapping[str, Any]) -> WrittenOut:
     except Mistaken as mistake:
         return WrittenOut({**data}, findings=[Finding((), mistake.what, mistake.remedy)])
     everywhere = [names, *names.phases.values()]
-    findings = [*(finding for own in everywhere for finding in own.findings), *filler.findings]
+    misfits = [*(misfit for own in everywhere for misfit in own.misfits), *filler.misfits]
+    findings = [*(finding for own in everywhere for finding in own.findings), *told_once(misfits), *filler.findings]
     counted = frozenset[str]().union(*(own.counted for own in everywhere))
     in_words = InWords(_components(everywhere), filler.made, filler.texts)
     return WrittenOut(new, filler.origin, findings, counted, in_words)

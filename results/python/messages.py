@@ -16,6 +16,7 @@ REMEDIES = (
     (r"with --guess\b", "with guess="),
     (r"file with -o\b", "file"),
     (r"with --force\b", "with force=True"),
+    (r"its name and its folder$", "its name and its folder; the text of a problem file has a line break in it"),
     (r"a file written by 'trajopt solve'", "a file that a solution was saved to"),
     (r"a result written by 'trajopt solve'", "a file that a solution was saved to"),
 )

@@ -148,7 +148,11 @@ BAD_CSV: dict[str, tuple[str, bytes, str]] = {
     "a column twice": ("{file: data.csv}", b"v,v,F\n0,0,1\n", "data.csv has two columns v"),
     "a column that is missing": ("{file: data.csv, arguments: [v, y], value: F}", CSV.encode(), "has no column y"),
     "no column of values": ("{file: data.csv, value: f}", CSV.encode(), "has no column f; did you mean F?"),
-    "which column": ("{file: data.csv, arguments: [v]}", CSV.encode(), "holds the values is not clear; add value:"),
+    "which column": (
+        "{file: data.csv, arguments: [v]}",
+        CSV.encode(),
+        "over v is not clear; add value: with",
+    ),
     "a value as an argument": (
         "{file: data.csv, arguments: [v, F], value: F}",
         CSV.encode(),
@@ -185,6 +189,15 @@ BAD_CSV: dict[str, tuple[str, bytes, str]] = {
     ),
     "a large file": ("{file: data.csv}", b"v,F\n" + b"0,1\n" * 2_600_000, "data.csv is larger than 10 MB"),
     "too many lines": ("{file: data.csv}", b"v,F\n" + b"0,1\n" * 100_001, "data.csv has 100001 lines of numbers"),
-    "one point of an argument": ("{file: data.csv}", b"v,x,F\n0,0,1\n1,0,2\n", "there is one point here"),
+    "one point of an argument": (
+        "{file: data.csv, arguments: [v, x]}",
+        b"v,x,F\n0,0,1\n1,0,2\n",
+        "there is one point here",
+    ),
+    "several curves over one column": (
+        "{file: data.csv}",
+        b"v,x,F\n0,0,1\n1,4,2\n",
+        "over v is not clear; add value: with",
+    ),
     "a NUL": ("{file: data.csv}", b"v,F\n0,1\n1,\x00\n", "line 3, column F"),
 }

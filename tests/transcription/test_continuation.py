@@ -99,3 +99,23 @@ def test_mistakes_of_a_schedule(continuation, says):
     with pytest.raises(SpecError, match=says) as error:
         build_checked([load_yaml(SWING, [f"continuation={continuation}"])])
     assert all(m.where.startswith("--set continuation") and m.remedy for m in error.value.mistakes)
+
+
+@pytest.mark.parametrize(
+    ("path", "remedy"),
+    [("g", "write parameters.g"), ("x.final", "write states.x.final"), ("parameter.g", "did you mean parameters.g?"),
+     ("initial", "name one number: time.initial, states.x.initial"), ("h", "name a number, such as parameters.")],
+)  # fmt: skip
+def test_a_path_that_leaves_something_out_is_given_whole(path, remedy):
+    text = """\
+trajopt: 1
+parameters: {g: 9.81}
+time: {initial: 0, final: 1}
+states: {x: {rate: u - g, initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+"""
+    with pytest.raises(SpecError) as error:
+        build_checked([load_yaml(f"{text}continuation: {{{path}: [1]}}")])
+    (mistake,) = error.value.mistakes
+    assert remedy in mistake.remedy and f"{path} is no number" in mistake.what

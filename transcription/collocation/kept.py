@@ -14,14 +14,14 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from ...problems.expressions.expression import Expression
-from ...problems.lean.records import dataclass
+from ...problems.lean.records import dataclass, only_fields
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Range
 from ..cache.kept import keep, load, name
@@ -111,7 +111,7 @@ def _name(problem: Problem, forms: Forms, meshes: Sequence[Mesh]) -> str | None:
 def _told(mesh: Mesh) -> tuple:
     """All that a mesh is, by value: its schemes, which of them each segment has, and the widths."""
     schemes = list(dict.fromkeys(mesh.schemes))
-    values = [[(own.name, _value(getattr(scheme, own.name))) for own in fields(scheme)] for scheme in schemes]
+    values = [{key: _value(own) for key, own in only_fields(scheme).items()} for scheme in schemes]
     return values, [schemes.index(scheme) for scheme in mesh.schemes], mesh.widths.tobytes()
 
 
@@ -129,7 +129,8 @@ def _stored(kept: Kept) -> tuple:
 
 def _restored(stored: tuple, problem: Problem, meshes: Sequence[Mesh]) -> Kept:
     parameters, families, layouts, nlp = stored
-    placed = tuple(Layout(*own, **rest) for *own, rest in zip(problem.phases, meshes, layouts, strict=True))
+    every = zip(problem.phases, meshes, layouts, strict=True)
+    placed = tuple(Layout(phase, mesh, **rest) for phase, mesh, rest in every)
     return Kept(Transcription(problem, None, (), placed, parameters, families), nlp)
 
 

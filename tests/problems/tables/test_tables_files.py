@@ -64,7 +64,7 @@ def test_a_broken_csv_file(name, tmp_path):
 
 
 def test_all_mistakes_of_all_tables_and_of_the_rest_at_once(tmp_path):
-    path = folder_with(tmp_path, [(0, 0, "a"), (1, 0, "b")], PROBLEM.replace("final: 1}\n  v", "final: w}\n  v"))
+    path = folder_with(tmp_path, [(0, 0, "a"), (0, 1, "b")], PROBLEM.replace("final: 1}\n  v", "final: w}\n  v"))
     text = path.read_text().replace("time: {", "  lift: {points: {v: [1, 0]}, values: [1, 2]}\ntime: {")
     path.write_text(text)
     with pytest.raises(SpecError) as error:
@@ -87,6 +87,23 @@ def test_columns_by_name(tmp_path):
     path = folder_with(tmp_path, text=PROBLEM.replace("drag.csv,", "drag.csv, arguments: [x, v], value: F,"))
     entry = load(path).tables["drag"]
     assert list(entry.points) == ["x", "v"] and entry.values[1][3] == pytest.approx(0.84)
+
+
+CURVES = "h, rho, T\n0, 1.2, 288\n0.5, 1.1, 281\n1e0, 1, 275\n"
+
+
+@pytest.mark.parametrize(
+    ("entry", "column"),
+    [("rho: {file: curves.csv}", 1), ("T: {file: curves.csv}", 2), ("a: {file: curves.csv, value: T}", 2),
+     ("rho: {file: curves.csv, value: T}", 2), ("a: {file: curves.csv, arguments: [h], value: rho}", 1)],
+)  # fmt: skip
+def test_several_curves_over_one_column(entry, column, tmp_path):
+    (tmp_path / "curves.csv").write_text(CURVES)
+    name = entry.partition(":")[0]
+    text = PROBLEM.replace("drag: {file: data/drag.csv, outside: extrapolate, unit: N}", entry)
+    (tmp_path / "problem.yaml").write_text(text.replace("drag(v, x)", f"{name}(x)"))
+    table = load(tmp_path / "problem.yaml").tables[name]
+    assert table.points == {"h": [0, 0.5, 1]} and table.values == [[1.2, 1.1, 1], [288, 281, 275]][column - 1]
 
 
 def test_a_text_has_no_csv_file():

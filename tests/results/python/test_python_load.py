@@ -137,6 +137,12 @@ def test_files_that_are_none(folder):
     assert issubclass(trajopt.FileError, trajopt.TrajoptError) and caught.value.mistakes
 
 
+@pytest.mark.parametrize("line", ["x" * 300, "name: " + "x" * 5000])
+def test_a_line_that_no_file_can_be_called(line):
+    with pytest.raises(trajopt.FileError, match=r"cannot be the name of a file .* has a line break in it$"):
+        trajopt.load(line)
+
+
 def test_no_message_speaks_of_the_command_line(folder):
     for overrides in ({"solver.linear_solver": "ma57"}, {"solver.option_file_name": "x"}):
         with pytest.raises(trajopt.SpecError) as caught:
