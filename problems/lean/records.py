@@ -90,4 +90,5 @@ def only_fields(record: Any) -> dict[str, Any]:
 
     record: of one of these classes.
     """
-    return {name: vars(record)[name] for name in record.__dataclass_fields__}
+    own = vars(record)
+    return {name: own[name] for name in record.__dataclass_fields__ if name in own}
