@@ -14,11 +14,11 @@ import symengine as se
 from command_line import TRAJOPT, process, trajopt
 
 from trajopt.problems.errors import Mistake, SpecError
-from trajopt.transcription import ready
 from trajopt.transcription.cache import identity
 from trajopt.transcription.cache.entries import entries
+from trajopt.transcription.files import ready
+from trajopt.transcription.files.ready import ready_all
 from trajopt.transcription.program.backend import told
-from trajopt.transcription.ready import ready_all
 
 pytestmark = pytest.mark.usefixtures("folder")
 

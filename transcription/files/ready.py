@@ -10,17 +10,17 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ..problems.errors import Mistake
-from ..problems.lean.records import dataclass
-from ..problems.problem import Curves, Problem
-from .cache.kept import keep, load, name
-from .engines.table import check_engine_options
-from .loading import build_checked, load_all, load_yaml
-from .settings import Settings, Step
+from ...problems.errors import Mistake
+from ...problems.lean.records import dataclass
+from ...problems.problem import Curves, Problem
+from ..cache.kept import keep, load, name
+from ..engines.table import check_engine_options
+from ..loading import build_checked, load_all, load_yaml
+from ..settings import Settings, Step
 
 if TYPE_CHECKING:  # pydantic; and the solver, which is loaded when there is something to solve
-    from ..problems.schema.spec import Spec
-    from .solution.solution import Solution
+    from ...problems.schema.spec import Spec
+    from ..solution.solution import Solution
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ class Ready:
 
         guess, progress, stop: as that takes them.
         """
-        from .solve import solve, with_elsewhere
+        from ..solve import solve, with_elsewhere
 
         if not self.direct and guess is None:
-            from .continuation import solve_spec
+            from ..continuation import solve_spec
 
             return solve_spec(self.spec(), self.problems, progress=progress, stop=stop)
         began = perf_counter()
@@ -83,7 +83,7 @@ def ready_all(files: Sequence[str], given: Sequence[str] = (), stdin: str | None
     found = [own for own in known if own is not None]
     if len(found) == len(files):
         return found
-    from ..problems.tables.columns import opened
+    from ...problems.tables.columns import opened
 
     before = opened()
     specs = load_all(files, given, stdin)
@@ -102,8 +102,8 @@ def ready(spec: Spec, problems: list[Problem], given: Sequence[str] = ()) -> Rea
     problems: one for each entry of its mesh schedule.
     given: the overrides in it.
     """
-    from .continuation import is_direct
-    from .settings import schedule_of, settings_of
+    from ..continuation import is_direct
+    from ..settings import schedule_of, settings_of
 
     return Ready(
         spec.name,
@@ -130,7 +130,7 @@ def _known(file: str, given: tuple[str, ...]) -> Ready | None:
 
     The engine is asked about its options again: which it takes depends on what is installed beside it.
     """
-    from ..problems.catalog import find_problem
+    from ...problems.catalog import find_problem
 
     path = find_problem(file)
     if not path.is_file():
