@@ -7,8 +7,9 @@ for the times that a solve starts from. As the times change, theta moves by
 
 t_0 and t_F being the ends of the phase that is read, and s_0 the fraction of its duration at which theta_0 is. The
 state's interpolant (see `delays`) is followed by its expansion to the second order in delta: value and first and second
-derivatives are exact where delta is zero. So a mesh is solved again from its own solution until the times have settled
-(`starts.settled`), and the rows are then those of the times that were found, whatever they read before.
+derivatives are exact where delta is zero. In place of delta stands tanh(delta), the same to that order, so that what is
+read stays within a segment of its place, however far the times go in a solve. A mesh is solved again from its own
+solution until the times have settled (`starts.settled`), and the rows are those of the times that were found.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ def _read(builder: PhaseBuilder, name: str, own: Delayed, at: Reads) -> None:
             terms = [term + source.duration * item(bend, q) * f for term, bend in zip(terms, bends, strict=True)]
         earlier = block.t0 + builder.duration * item(fraction, q) - own.lag - source.block.t0
         delta = (earlier / source.duration - item(s, q)) * item(per_width, q)
-        return item(block.z, own.name, item(point, q)) == _horner(terms, delta)
+        return item(block.z, own.name, item(point, q)) == _horner(terms, pyomo.tanh(delta))
 
     _add(builder, name, over, rule, own, at.points)
 

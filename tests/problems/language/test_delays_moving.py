@@ -35,7 +35,7 @@ def test_a_delay_is_read_in_the_phase_before(mesh, tolerance):
     """With the end of the first phase at tau each method has its order, on any mesh that both have."""
     solution = trajopt.solve(trajopt.load(SYSTEM, ["reference=", f"mesh=[{mesh}]", *IN_TWO]))
     assert solution.solved and abs(solution.objective - OPTIMUM) < tolerance
-    assert abs(solution.objective - OPTIMUM) <= solution.objective_error
+    assert abs(solution.objective - OPTIMUM) <= solution.error.objective
 
 
 @pytest.mark.parametrize("last", [0.35, 1.5])
@@ -43,7 +43,7 @@ def test_a_phase_may_end_at_any_time(last):
     """Delays of three phases back, and of one phase that is longer than they are."""
     phases = f"phases={{a: {{time: {{final: 0.3}}}}, b: {{time: {{final: {last}}}}}, c: {{}}}}"
     solution = trajopt.solve(trajopt.load(SYSTEM, ["reference=", "mesh=", "refine={tolerance: 1.0e-7}", phases]))
-    assert abs(solution.objective - OPTIMUM) <= solution.objective_error < 1e-5
+    assert abs(solution.objective - OPTIMUM) <= solution.error.objective < 1e-5
 
 
 @pytest.mark.parametrize(("overrides", "bar"), [([], 1e-5), (["time.final.guess=1"], 1e-5), (IN_TWO, 1e-7)])
