@@ -175,7 +175,9 @@ class _Checker:
         initial, final = ranges["initial"], ranges["final"]
         if initial and final and final.upper <= initial.lower:
             what = f"the final time {final} is not after the initial time {initial}"
-            self.error(("time", "final"), what, "make the final time larger")
+            nothing = not self.alone and final.upper == initial.lower
+            remedy = "leave this phase out, with what it says under links:" if nothing else "make the final time larger"
+            self.error(("time", "final"), what, remedy)
             return
         first, last = (self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final"))
         if first is not None and last is not None and first >= last:
