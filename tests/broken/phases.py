@@ -47,8 +47,8 @@ PHASES = [
     edit("a phase that is a number", "    time: {final: 60}", "    time: 3", "phases.first.time", "must be a mapping"),
     edit(
         "a phase of no duration",
-        "  second:\n",
-        "  second:\n    time: {initial: 60, final: 60}\n",
+        "    parameters: {T: 1.0e5}\n",
+        "    time: {initial: 60, final: 60}\n    parameters: {T: 1.0e5}\n",
         "phases.second.time.final",
         "leave this phase out, with what it says under links:",
     ),
