@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .expressions.expression import Together
 from .quantities import Function
 
 if TYPE_CHECKING:  # tables import SciPy
@@ -35,7 +37,7 @@ class _Asked(dict[str, np.ndarray]):
     """Values that are made when they are asked for, and so remember the names."""
 
     def __missing__(self, name: str) -> np.ndarray:
-        irrational = np.sqrt(len(self) + np.e)  # the multiples of such a number are anywhere between whole numbers
+        irrational = np.sqrt(len(self) + math.e)  # the multiples of such a number are anywhere between whole numbers
         self[name] = 0.1 + 0.8 * (INDICES * irrational % 1.0)
         return self[name]
 
@@ -64,12 +66,20 @@ def depends_on(function: Function, names: Collection[str]) -> bool:
     return not finite.any() or bool((np.not_equal(before, after) & finite).any())
 
 
-def slope(function: Function, values: Mapping[str, Any], name: str) -> np.ndarray:
-    """The derivative of a function by a name, by the complex step, shape of the values.
+def derivatives(functions: Together, values: Mapping[str, Any], names: Sequence[str]) -> np.ndarray:
+    """The derivatives of several functions by several names, shape (functions, len(names), ...).
 
-    function: made of what NumPy continues to complex numbers.
-    values: of every name that it asks for.
-    name: one of them.
+    All complex steps are taken in one call, side by side.
+
+    functions: made of what NumPy continues to complex numbers.
+    values: of every name that they ask for, numbers or arrays of one shape (...).
+    names: some of them.
     """
-    found: np.ndarray = np.imag(function({**values, name: values[name] + 1j * TINY}, np)) / TINY
-    return found
+    shape = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
+    steps = (1j * TINY * np.eye(len(names))).reshape(len(names), len(names), *(1 for _ in shape))
+    moved = {name: values[name] + step for name, step in zip(names, steps, strict=True)}
+    found = functions({**values, **moved}, np)
+    slopes = np.zeros((len(found), len(names), *shape))
+    for row, own in zip(slopes, found, strict=True):
+        row[:] = np.imag(own) / TINY
+    return slopes

@@ -18,10 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
+from .expressions.expression import Together, together
 from .lean.records import dataclass
 from .quantities import Complementarity, Constraint, Delayed, Function, Measured, Output, Range, State, Variable
 from .text import short_repr, shorten
@@ -151,6 +153,15 @@ class Phase:
         time = f"initial time {self.initial_time}, final time {self.final_time} {self.time_unit}".rstrip()
         return f"<Phase {self.name}: {'; '.join([time, *named])}>"
 
+    @cached_property
+    def rates(self) -> Together:
+        """The rates of the states, at once."""
+        return together([state.rate for state in self.states])
+
+    @cached_property
+    def residuals_at_once(self) -> Together:
+        return together([own.function for own in self.residuals])
+
     @property
     def over_time(self) -> tuple[Function, ...]:
         """Every function of the values at one time that the problem needs."""
@@ -179,7 +190,7 @@ class Phase:
         """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
-            rates = [np.broadcast_to(state.rate(values, np), np.shape(t)) for state in self.states]
+            rates = [np.broadcast_to(rate, np.shape(t)) for rate in self.rates(values, np)]
         return np.stack(rates) if rates else np.zeros((0, *np.shape(t)))
 
 

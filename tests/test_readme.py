@@ -52,6 +52,11 @@ def test_both_commands_install_from_the_lock():
     assert (ROOT / solve.split()[-1]).is_file()
 
 
+def test_the_newest_lane_tests_what_there_is():
+    rooms = re.search(r"^touched='(.*?)'", (ROOT / ".ci" / "run").read_text(), re.DOTALL | re.MULTILINE)[1].split()
+    assert len(rooms) > 20 and [room for room in rooms if not (ROOT / room).exists()] == []
+
+
 def test_every_line_of_the_lock_is_a_constraint_for_pip():
     assert locked()
     for requirement in locked():

@@ -10,7 +10,8 @@ from typing import Protocol
 
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
-from .one_mesh import Found, Limit, Origin, Watch, added, solve_mesh
+from .engines.watch import Limit, Watch
+from .one_mesh import Found, Origin, added, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution

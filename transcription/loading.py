@@ -127,7 +127,7 @@ def build_checked(specs: Sequence[Spec]) -> list[list[Problem]]:
     from ..problems.build import build_all
     from .continuation import way_of
     from .settings import schedule_of
-    from .solve import planned
+    from .transcribe import planned
 
     built: list[list[Problem]] = []
     mistakes: list[Mistake] = []

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ..problems.problem import Curves, Problem
 from .dual.multipliers import Multipliers
 from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
+from .engines.watch import Watch
 from .failure.diagnose import diagnose
 from .layout import Transcription, bounded_start
 from .measured.knots import measured_fractions, with_knots
@@ -52,49 +52,8 @@ TIGHTENING = {
 """Options of a solve that starts from a solution with a larger barrier parameter: it stays where it is."""
 
 
-Planned = tuple[Problem, list[Mesh], float]
-"""The problem, the mesh of each phase and the tolerance of a solve."""
-
-
 Found = tuple[Solution, Solved]
 """A solution, and what the next solve starts from."""
-
-
-class Limit:
-    """When a solve has to end: after some seconds from now, or when `stop` says so.
-
-    clock: of these seconds.
-    """
-
-    def __init__(
-        self,
-        seconds: float | None,
-        stop: Callable[[], bool] | None,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
-        self.end, self.stop, self.clock = inf if seconds is None else clock() + seconds, stop, clock
-
-    def reached(self) -> bool:
-        return self.asked() or self.clock() > self.end
-
-    def asked(self) -> bool:
-        """Whether it was `stop` that said so."""
-        return self.stop is not None and self.stop()
-
-
-@dataclass(frozen=True)
-class Watch:
-    """Who looks on: `progress` and `stop` of `solve`, and the number of the solve that progress is told."""
-
-    progress: Callable[[int, dict], None] | None
-    stop: Callable[[], bool] | None
-    number: int
-
-    def next(self, more: int) -> Watch:
-        return replace(self, number=self.number + more)
-
-    def callbacks(self) -> dict[str, Callable | None]:
-        return {"progress": self.progress and partial(self.progress, self.number), "stop": self.stop}
 
 
 @dataclass(frozen=True)

@@ -2,42 +2,29 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import count
 
-from ..problems.errors import SpecError
 from ..problems.phases.invariant import kept
 from ..problems.problem import Curves, Problem
+from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
 from .again.same_mesh import from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
+from .engines.watch import Limit, Watch
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Limit, Origin, Planned, Watch, in_place, solve_mesh, tightened
+from .one_mesh import Found, Origin, in_place, solve_mesh, tightened
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
-from .settings import DEFAULT, Refine, Settings, Step, meshes_of
-from .solution.sensitivity import sensitivities
+from .settings import DEFAULT, Refine, Settings
 from .solution.solution import MeshRecord, Solution, with_bar
 from .starts.near import Near
-from .structure.convexity import kind_of_program
-from .structure.courses import courses
-from .structure.estimates import estimates
-from .structure.prices import prices
-from .transcribe import numbers_of, refused
-
-ENDED = {
-    Status.INTERRUPTED: "was interrupted",
-    Status.TIME_LIMIT: "was not solved within the time limit",
-    Status.ACCEPTABLE: Status.ACCEPTABLE.message,
-}
-"""How a mesh is called that ended with one of these statuses; of all others, that it failed."""
+from .transcribe import Planned, Schedule, planned, refused
 
 TOLD_TO_END = (Status.INTERRUPTED, Status.TIME_LIMIT)
 
@@ -55,31 +42,6 @@ DAMPING_SHARE = 0.1
 LOWERED, NOTICED = 3, 0.25
 """Times to start again with controls that have a lower Hamiltonian; and of the error bar, if it does not fall with the
 mesh, what they have to gain."""
-
-Schedule = Sequence[Step | Sequence[Step]]
-"""What to solve on in turn: one step for all phases, or one for each."""
-
-
-def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Planned]:
-    """The solves of a schedule.
-
-    Raises SpecError with all that cannot be transcribed, at its entry of the schedule, before anything is solved.
-    """
-    problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
-    steps = [_plan(own, step) for own, step in zip(problems, schedule, strict=True)]
-    mistakes = [
-        replace(mistake, where=re.sub(r"\bmesh\b", f"mesh.{number}", mistake.where, count=1))
-        for number, (own, meshes, _) in enumerate(steps)
-        for mistake in refused(own, meshes)
-    ]
-    if mistakes:
-        raise SpecError(mistakes)
-    return steps
-
-
-def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
-    own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
-    return problem, meshes_of(problem, own), min(one.tolerance for one in own)
 
 
 def solve(
@@ -193,7 +155,7 @@ class _Loop:
         if not self.optimal or self.optimal[0][0].problem is not last.problem:
             return
         self.last, self.unmet, known = self.optimal
-        self.stopped = _why_stopped(self.history[known])
+        self.stopped = self.history[known].why_not_kept
         self.discarded += tuple(self.history[known:])
         del self.history[known:]
 
@@ -226,7 +188,7 @@ class _Loop:
             return solution, solved
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
         if not solution.status.usable and (refined or (own and solution.status in TOLD_TO_END)):
-            self.stopped = _why_stopped(solution.meshes[-1])
+            self.stopped = solution.meshes[-1].why_not_kept
             self.discarded += solution.meshes
             return None
         if refined and own and left_basin(self.last[0], solution, accuracy(self.settings.refine)):
@@ -300,29 +262,21 @@ class _Loop:
         assert self.last is not None
         gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
+        notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
+        notes += (*runaway_times(solution.trajectories), *kept(solution.problem))
         solution = replace(
-            solution,
+            completed(solution, solved),
             meshes=(*self.history[:-1], solution.meshes[-1]),
             unmet=self.unmet,
             stopped=self.stopped,
             discarded=self.discarded,
             accept=self.settings.accept,
-            sensitive=partial(sensitivities, solved.transcription, solved.nlp, solved.outcome, numbers_of),
+            notes=notes,
         )
-        damped = solved.damping.told(solution.trajectories, solved.worth)
-        notes = (*self.notes, *damped, *runaway_times(solution.trajectories), *kept(solution.problem))
-        if self.lower and solution.objective_error.applies:
-            notes += (f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}",)
-            solution = self._widened(solution, self.lower.gain)
-        solution = replace(solution, notes=notes)
-        if solution.status.usable:
-            continuous = not all(phase.exact for phase in solution.problem.phases)
-            kind = kind_of_program(solved.nlp, solved.outcome.z, continuous)
-            own = prices(solved.transcription, solved.nlp, solved.outcome)
-            arcs = courses(solved.transcription, solved.nlp, solved.outcome, solution.trajectories)
-            solution = replace(solution, prices=own, program=kind, arcs=arcs)
-        found = estimates(solved.transcription, solved.nlp, solved.outcome) if solution.solved else None
-        return replace(solution, estimates=found)
+        if not self.lower or not solution.objective_error.applies:
+            return solution
+        told = f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}"
+        return self._widened(replace(solution, notes=(*notes, told)), self.lower.gain)
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""
@@ -341,9 +295,3 @@ def _out_of_time(solution: Solution, limit: Limit) -> Solution:
         return solution
     meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
     return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)
-
-
-def _why_stopped(mesh: MeshRecord) -> str:
-    """Why a mesh does not have the solution that is given back."""
-    what = ENDED.get(mesh.status) or f"failed: {mesh.status.message}"
-    return f"the next mesh, of {mesh.segments} segments, {what}"

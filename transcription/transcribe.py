@@ -6,6 +6,7 @@ imported when it is used.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -27,10 +28,17 @@ from .method_kind import MethodKind, Numbers, Program
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 from .schemes.segment import KindOfMethod
+from .settings import Step, meshes_of
 from .solution.costate import costates
 from .solution.trajectory import Trajectory
 
 MAX_UNKNOWNS = 5_000_000  # some 10 GB of Pyomo variables and matrix factors: refused before any memory is taken
+
+Schedule = Sequence[Step | Sequence[Step]]
+"""What to solve on in turn: one step for all phases, or one for each."""
+
+Planned = tuple[Problem, list[Mesh], float]
+"""The problem, the mesh of each phase and the tolerance of a solve."""
 
 
 def _shooting() -> MethodKind:
@@ -181,3 +189,25 @@ def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
     for phase, mesh in zip(problem.phases, meshes, strict=True):
         whose = "" if len(meshes) == 1 else f"phases.{phase.name}."
         yield from (replace(m, where=whose + m.where) for m in kind_of(mesh).refused(problem, phase, mesh))
+
+
+def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Planned]:
+    """The solves of a schedule.
+
+    Raises SpecError with all that cannot be transcribed, at its entry of the schedule, before anything is solved.
+    """
+    problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
+    steps = [_plan(own, step) for own, step in zip(problems, schedule, strict=True)]
+    mistakes = [
+        replace(mistake, where=re.sub(r"\bmesh\b", f"mesh.{number}", mistake.where, count=1))
+        for number, (own, meshes, _) in enumerate(steps)
+        for mistake in refused(own, meshes)
+    ]
+    if mistakes:
+        raise SpecError(mistakes)
+    return steps
+
+
+def _plan(problem: Problem, step: Step | Sequence[Step]) -> Planned:
+    own = [step] * len(problem.phases) if isinstance(step, Step) else list(step)
+    return problem, meshes_of(problem, own), min(one.tolerance for one in own)

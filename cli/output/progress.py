@@ -1,66 +1,103 @@
-"""A live line on a terminal while IPOPT iterates; a line now and then where standard error is none."""
+"""What is shown while something takes long: a live line on a terminal, elsewhere a line every 10 s."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Event
 from time import monotonic
 
 from ...problems.text import shorten
+from ...transcription.libraries.hidden import Onlooker
 from .printing import dumb_terminal, one_line
 
 NAME_WIDTH = 20
-INTERVAL = 10.0  # seconds
+INTERVAL, REFRESH = 10.0, 0.25  # seconds between two lines, and between two looks of a live line
+
+
+class _Now:
+    """A text that changes; called with a new one."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __call__(self, text: str) -> None:
+        self.text = text
 
 
 @contextmanager
-def live_text(text: str) -> Iterator[Callable[[str], None] | None]:
-    """Show a text on one line of a terminal; gives a function that changes it, or None where nothing is shown.
+def live_text(text: str, wanted: bool = True) -> Iterator[Callable[[str], None]]:
+    """Show a text while a block runs, on one line of a terminal that is gone at its end, or every INTERVAL seconds.
 
-    The line is gone when the block ends.
+    text: to begin with.
+    wanted: whether anything is shown.
+
+    Gives a function that changes the text. The time shows itself, whatever the block is at.
     """
-    if not sys.stderr.isatty() or dumb_terminal():
-        yield None
-        return
+    now = _Now(text)
+    if not wanted:
+        yield now
+    elif sys.stderr.isatty() and not dumb_terminal():
+        with _live_line(now):
+            yield now
+    else:
+        began = monotonic()
+        with _again_and_again(lambda: _print_line(now.text, monotonic() - began), INTERVAL):
+            yield now
+
+
+@contextmanager
+def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None]]:
+    """The progress callback of `transcription.solve.solve`; see `live_text`."""
+    name = shorten(one_line(name), NAME_WIDTH)
+    with live_text(f"{name}: building", wanted) as show:
+        yield lambda mesh, record: show(f"{name}: {_state(mesh, record)}")
+
+
+@contextmanager
+def _live_line(now: _Now) -> Iterator[None]:
     from rich.console import Console
     from rich.live import Live
     from rich.text import Text
 
-    def line(text: str) -> Text:
-        return Text(text, no_wrap=True, overflow="ellipsis")
+    def line() -> Text:
+        return Text(now.text, no_wrap=True, overflow="ellipsis")
 
-    console = Console(stderr=True)
-    with Live(line(text), console=console, transient=True, redirect_stdout=False, redirect_stderr=False) as live:
-        yield lambda text: live.update(line(text))
+    with (
+        Live(
+            get_renderable=line, console=Console(stderr=True), auto_refresh=False, transient=True,
+            redirect_stdout=False, redirect_stderr=False,
+        ) as live,
+        _again_and_again(live.refresh, REFRESH),
+    ):  # fmt: skip
+        live.refresh()
+        yield
+
+
+def _print_line(text: str, seconds: float) -> None:
+    print(f"{seconds:4.0f} s  {one_line(text)}", file=sys.stderr, flush=True)
 
 
 @contextmanager
-def live_line(name: str, wanted: bool) -> Iterator[Callable[[int, dict], None] | None]:
-    """The progress callback of `transcription.solve.solve`, or None where nothing should be shown.
+def _again_and_again(show: Callable[[], object], interval: float) -> Iterator[None]:
+    """Call a function every so many seconds until the block ends, or until nobody reads what it writes."""
+    ended = Event()
 
-    Where standard error is no terminal it is a plain line every INTERVAL seconds.
-    """
-    if not wanted:
-        yield None
-        return
-    name = shorten(one_line(name), NAME_WIDTH)
-    with live_text(f"{name}: building") as show:
-        tell = show or EverySoOften(lambda text: print(text, file=sys.stderr, flush=True))
-        yield lambda mesh, record: tell(f"{name}: {_state(mesh, record)}")
+    def run() -> None:
+        try:
+            while not ended.wait(interval):
+                show()
+        except OSError:
+            return
 
-
-class EverySoOften:
-    """Passes a text on only if the last one, or the beginning, is `interval` seconds past."""
-
-    def __init__(self, tell: Callable[[str], None], interval: float = INTERVAL, clock: Callable[[], float] = monotonic):
-        self.tell, self.interval, self.clock = tell, interval, clock
-        self.last = clock()
-
-    def __call__(self, text: str) -> None:
-        if self.clock() - self.last >= self.interval:
-            self.last = self.clock()
-            self.tell(text)
+    onlooker = Onlooker(target=run, daemon=True)
+    onlooker.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        onlooker.join(interval)
 
 
 def _state(mesh: int, record: dict) -> str:

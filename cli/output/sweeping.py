@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -11,9 +10,6 @@ from typing import Any
 
 from .printing import one_line, plural, print_field, print_title
 from .progress import live_text
-
-EVERY = 10.0
-"""Seconds between two lines where standard error is no terminal."""
 
 Record = Mapping[str, Any]
 
@@ -48,20 +44,10 @@ def _duration(seconds: float) -> str:
 
 @contextmanager
 def watched(name: str, tally: Tally, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Gives a function to call several times a second: it shows the tally on a terminal, else a line now and then."""
-    if quiet:
-        yield lambda: None
-        return
-    last = time.monotonic()
-
-    def now_and_then() -> None:
-        nonlocal last
-        if time.monotonic() >= last + EVERY:
-            last = time.monotonic()
-            print(f"{one_line(name)}: {tally}", file=sys.stderr, flush=True)
-
-    with live_text(f"{name}: {tally}") as show:
-        yield (lambda: show(f"{one_line(name)}: {tally}")) if show else now_and_then
+    """Gives a function to call several times a second: what is shown is the tally then."""
+    name = one_line(name)
+    with live_text(f"{name}: {tally}", not quiet) as show:
+        yield lambda: show(f"{name}: {tally}")
 
 
 def print_sweep(name: str, summary: Mapping[str, Any], folder: Path, seconds: float, done: int) -> None:

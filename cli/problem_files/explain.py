@@ -10,8 +10,9 @@ import typer
 from ...problems.errors import Mistake, SpecError
 from ...transcription.loading import build_checked, load_all, located
 from ..errors import NOT_SOLVED, command
-from ..options import Json, Method, Segments, Set, overrides
+from ..options import Json, Method, Quiet, Segments, Set, overrides
 from ..output.printing import cell, print_json, print_table, print_title
+from ..output.progress import live_text
 
 if TYPE_CHECKING:
     from ...problems.quantities import Range
@@ -27,7 +28,13 @@ COLUMNS = ("give way", "from", "to", "unit", "when")
 
 @command
 def explain(
-    sources: Sources, *, set_: Set = None, method: Method = None, segments: Segments = None, json_: Json = False
+    sources: Sources,
+    *,
+    set_: Set = None,
+    method: Method = None,
+    segments: Segments = None,
+    json_: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Say whether all constraints can hold, or what must give way.
 
@@ -42,12 +49,12 @@ def explain(
     specs = [spec for source in sources for spec in _specs(source, overrides(set_, method, segments))]
     holds = True
     for spec, problems in zip(specs, build_checked(specs), strict=True):
-        with located(spec):
+        with located(spec), live_text(f"explaining {spec.name}", not quiet):
             explanation = run(problems[0], meshes_of(problems[0], schedule_of(spec)[0]))
         holds &= explanation.feasible
         if json_:
             print_json({"problem": spec.name, **_told(explanation)})
-        else:
+        elif not quiet:
             _print(spec.name, explanation)
     if not holds:
         raise typer.Exit(NOT_SOLVED)

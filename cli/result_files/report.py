@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..errors import command
-from ..options import Force
+from ..options import Force, Quiet
 from ..output.progress import live_text
 from .targets import targets_of
 
@@ -22,7 +21,14 @@ NoVerify = Annotated[bool, typer.Option("--no-verify", help="Leave the checks of
 
 
 @command
-def report(sources: Sources, *, output: Output = None, no_verify: NoVerify = False, force: Force = False) -> None:
+def report(
+    sources: Sources,
+    *,
+    output: Output = None,
+    no_verify: NoVerify = False,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
     """Write one page of HTML that tells all of a result, or of a sweep.
 
     It needs no network and nothing beside it: the problem in equations, curves to zoom and to read values off, meshes,
@@ -41,10 +47,11 @@ def report(sources: Sources, *, output: Output = None, no_verify: NoVerify = Fal
     for path in targets:
         check_page(path, force)
     for source, path in zip(sources, targets, strict=True):
-        with live_text("reporting") as show:
-            text = _sweep(source) if source.is_dir() else _result(source, not no_verify, show)
+        with live_text(f"reporting {source}", not quiet):
+            text = _sweep(source) if source.is_dir() else _result(source, not no_verify)
         write_page(path, text)
-        print(path)
+        if not quiet:
+            print(path)
 
 
 def _named(source: Path) -> Path:
@@ -52,7 +59,7 @@ def _named(source: Path) -> Path:
     return Path(f"{source.resolve().name}.h5") if source.is_dir() else source
 
 
-def _result(path: Path, verified: bool, show: Callable[[str], None] | None) -> str:
+def _result(path: Path, verified: bool) -> str:
     """The page of a result file."""
     from ...results.file.summary import summarize
     from ...results.report.result import result_page
@@ -63,8 +70,6 @@ def _result(path: Path, verified: bool, show: Callable[[str], None] | None) -> s
         return result_page(path, facts, None)
     from ...results.verify import verify
 
-    if show:
-        show(f"verifying {path}")
     return result_page(path, facts, verify(path))
 
 

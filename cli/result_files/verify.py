@@ -9,8 +9,9 @@ import typer
 
 from ...problems.errors import Mistake, SpecError
 from ..errors import NOT_SOLVED, command
-from ..options import Json, Results
+from ..options import Json, Quiet, Results
 from ..output.printing import cell, print_json, print_table
+from ..output.progress import live_text
 
 
 @command
@@ -22,6 +23,7 @@ def verify(
         float | None, typer.Option("--sample-hold", metavar="DT", help="Also hold the control for DT between samples.")
     ] = None,
     json_: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate the found control, check optimality and bounds.
 
@@ -37,11 +39,14 @@ def verify(
         raise SpecError(Mistake("--sample-hold", what, "write one in the unit of time, such as 0.01"))
     passed = True
     for path in results:
-        checks = run(path, tol, sample_hold)
+        with live_text(f"verifying {path}", not quiet):
+            checks = run(path, tol, sample_hold)
         passed &= all(check.passed for check in checks)
         if json_:
             lines = [{**vars(check), "passed": check.passed} for check in checks]
             print_json({"file": str(path), "passed": all(check.passed for check in checks), "checks": lines})
+            continue
+        if quiet:
             continue
         rows = [
             ("pass" if c.passed else "FAIL", c.name, cell(c.value, ".2e"), cell(c.limit, ".1e"), c.where)

@@ -23,7 +23,14 @@ if TYPE_CHECKING:
 
 
 def reproduce_library(
-    others: Sequence[str], folder: Path, only: Sequence[str], fast: bool, jobs: str | None, check: bool, json_: bool
+    others: Sequence[str],
+    folder: Path,
+    only: Sequence[str],
+    fast: bool,
+    jobs: str | None,
+    check: bool,
+    json_: bool,
+    quiet: bool,
 ) -> None:
     """Solve, verify, write and print.
 
@@ -34,6 +41,7 @@ def reproduce_library(
     jobs: number of processes as typed, None for one for each CPU.
     check: whether the rows are compared with the baseline.
     json_: whether JSON is printed.
+    quiet: whether neither progress nor the table is printed.
 
     Raises SpecError, FileError; ends with exit code 1 if something got worse, without `check` if something failed.
     """
@@ -46,10 +54,10 @@ def reproduce_library(
     names = problems(only, fast)
     processes = processes_of(jobs)
     results = prepare(folder)
-    with native_output(2), live_text("solving") as show:
+    with native_output(2), live_text("solving", not quiet) as show:
         rows = solve_library(
             names, results, processes=processes, prepare=prepare_worker,
-            command=shlex.join(["trajopt", *sys.argv[1:]]), progress=show or (lambda text: None),
+            command=shlex.join(["trajopt", *sys.argv[1:]]), progress=show,
         )  # fmt: skip
     worse = regressions(baseline(), rows) if check else None
     report(folder, rows, worse)
@@ -57,7 +65,7 @@ def reproduce_library(
         passed = all(row.passed for row in rows)
         told = [row.told for row in rows]
         print_json({"folder": str(folder), "passed": passed, "regressions": worse, "problems": told})
-    else:
+    elif not quiet:
         _print(rows, worse)
         print(folder / "index.html")
     if worse or (worse is None and not all(row.passed for row in rows)):

@@ -13,7 +13,7 @@ import typer
 from ...problems.errors import Mistake, SpecError
 from ...results.reproduction import LIBRARY
 from ..errors import NOT_SOLVED, command
-from ..options import Json
+from ..options import Json, Quiet
 from ..output.printing import one_line, plural, print_json, print_table, print_title
 from ..output.progress import live_text
 from ..streams import native_output
@@ -57,6 +57,7 @@ def reproduce(
         typer.Option("--jobs", "-j", metavar="N", help="Of the library: processes; default one for each CPU."),
     ] = None,
     json_: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Reproduce the figures and numbers of the paper, or the library.
 
@@ -76,7 +77,7 @@ def reproduce(
     """
     if LIBRARY in (examples or ()):
         others = [name for name in examples or () if name != LIBRARY]
-        reproduce_library(others, output or Path(LIBRARY), only or (), fast, jobs, check, json_)
+        reproduce_library(others, output or Path(LIBRARY), only or (), fast, jobs, check, json_, quiet)
         return
     if unused := [name for name, value in (("--only", only), ("--fast", fast), ("--jobs", jobs)) if value]:
         raise SpecError(
@@ -87,14 +88,14 @@ def reproduce(
     from ...results.reproduction.folder import INDEX
     from ...results.reproduction.reproduce import reproduce as run
 
-    with native_output(2), live_text("reproducing") as show:
+    with native_output(2), live_text("reproducing", not quiet) as show:
         chapters = run(
-            examples or (), output, every=check, figures=not no_figures, progress=show or (lambda text: None),
+            examples or (), output, every=check, figures=not no_figures, progress=show,
             command=shlex.join(["trajopt", *sys.argv[1:]]),
         )  # fmt: skip
     if json_:
         print_json(_summary(chapters, output))
-    else:
+    elif not quiet:
         _print(chapters)
         print(output / INDEX)
     if not all(chapter.passed for chapter in chapters):

@@ -199,11 +199,11 @@ class _Run:
 
 def _checked(plan: Plan, spec: Spec, given: list[str]) -> Problem:
     """The problem of the file. Raises SpecError with what is wrong in a case, before anything is solved."""
-    from ...results.sweep.check import check
+    from ...results.sweep.check import check_cases
 
     def load(case: list[str]) -> None:
         build_checked([load_yaml(spec.text, [*given, *case], spec.file)])
 
     ((problem, *_),) = build_checked([spec])
-    check(plan, load)
+    check_cases(plan, load)
     return problem

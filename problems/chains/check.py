@@ -27,7 +27,7 @@ from ..yaml.locations import Finding
 from .bodies import coordinate_names, names_of
 from .motion import CART_NAME, GRAVITY, TOTAL, Chain
 from .sliding import mass
-from .step import Step
+from .step import Stride
 
 _TAKEN = (BASE, CART_NAME, "com", CHAIN)
 """Names that no link may have: those of outputs and constants begin with them."""
@@ -235,7 +235,7 @@ def _goes_on(chain: Chain, symbols: Symbols) -> Iterator[Finding]:
     """After a step each link is where one was before it."""
     if chain.entry.step is None or not all(name in symbols.fixed for name in _measures(chain)):
         return
-    if found := Step(chain, chain.entry.step).misplaced(symbols.fixed):
+    if found := Stride(chain, chain.entry.step).misplaced(symbols.fixed):
         new, old = found
         what = f"after a step {new} is not what and where {old} was before it" if new != old else f"a step moves {new}"
         remedy = "give both legs the same numbers; com: is from the joint that is nearer to the standing foot"

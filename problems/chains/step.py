@@ -32,7 +32,7 @@ BACKWARDS = Angle({}, 2)
 
 
 @dataclass(frozen=True)
-class Step:
+class Stride:
     """The step of a chain with a fixed base, absolute angles and no fixed joints."""
 
     chain: Chain

@@ -24,7 +24,7 @@ from .check import mistakes
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .robots import robot_of, write_chain
 from .sections import list_in, mapping_in
-from .step import Step
+from .step import Stride
 
 _WORD = re.compile(r"\w+")
 _GIVEN = {
@@ -110,7 +110,7 @@ class _Writer:
         self.points()
         self.residuals()
         if self.chain.entry.step:
-            self.step(Step(self.chain, self.chain.entry.step))
+            self.step(Stride(self.chain, self.chain.entry.step))
         if not self.data.get("drawing"):
             self.data["drawing"] = list(drawing(self.chain))
             self.short["drawing",] = ("model",)
@@ -238,7 +238,7 @@ class _Writer:
         self.short |= {("residuals", len(given) + i): ("model",) for i in range(len(own))}
         given += own
 
-    def step(self, step: Step) -> None:
+    def step(self, step: Stride) -> None:
         for name, value in step.constants().items():
             self.define(name, value, ("model", "step"))
         boundary = list_in(self.section("constraints"), "boundary")
@@ -254,7 +254,7 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
 
     A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
     """
-    legs = chain.entry.step and Step(chain, chain.entry.step)
+    legs = chain.entry.step and Stride(chain, chain.entry.step)
     first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
     if chain.entry.base == CART:
         yield {"ground": f"-{first}/20"}
@@ -269,7 +269,7 @@ def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
     yield {**own, "color": _look_of(legs, last)["color"]} if legs else own
 
 
-def _look_of(legs: Step, body: Body) -> dict[str, Any]:
+def _look_of(legs: Stride, body: Body) -> dict[str, Any]:
     """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
     before = legs.before[body.number]
     if before == body.number:

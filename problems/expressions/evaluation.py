@@ -1,7 +1,7 @@
-"""Walks over the tree of an expression: its value, and the first part of it that has none.
+"""Walks over the tree of an expression, for its first part without a value, and for the value of a constant.
 
-A walk does the same operations in the same order at every call, so that every function is consistent in the sense of
-the paper, section 5.5.
+What is computed again and again has a tape (see `tape`). Both do the same operations in the same order at every call,
+so that every function is consistent in the sense of the paper, section 5.5.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ class Evaluated(Protocol):
     def root(self) -> Node: ...
     @property
     def parameters(self) -> Mapping[str, float]: ...
+    @property
+    def definitions(self) -> Mapping[str, Evaluated]: ...
     @property
     def tables(self) -> Mapping[str, Table]: ...
     @property
@@ -61,7 +63,7 @@ def _power(base: Any, exponent: Any) -> Any:
     return base**exponent
 
 
-_ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
+ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -118,7 +120,7 @@ class Walk:
             return FUNCTIONS[symbol].evaluate(self.functions, operands)
         if symbol in STAND_INS:
             return STAND_INS[symbol](self.functions, operands)
-        return -operands[0] if len(operands) == 1 else _ARITHMETIC[symbol](*operands)
+        return -operands[0] if len(operands) == 1 else ARITHMETIC[symbol](*operands)
 
     def look_up(self, node: Lookup, operands: list[Any]) -> Any:
         return self.tables[node.table].evaluate(self.functions, operands)

@@ -1,13 +1,13 @@
 """Expression strings as functions of named values: arithmetic, never code.
 
 An expression may hold numbers, names, pi, + - * / **, parentheses and the functions of the table in functions.py, and
-at the boundary q[initial] and q[final]. `tree.parse_tree` turns it into a small tree, and a walk over that tree
-evaluates it (see `evaluation`).
+at the boundary q[initial] and q[final]. `tree.parse_tree` turns it into a small tree, and a list of
+operations made of that tree gives its values (see `tape`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, lru_cache
 from graphlib import TopologicalSorter
@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..lean.records import dataclass
+from ..quantities import Function
 from ..text import shorten, tidy
 from .evaluation import Fault, Walk, first_fault
+from .tape import Tape
 from .tokens import ExpressionError
 from .tree import Chain, Link, Name, Node, nodes, parse_tree
 
@@ -38,7 +40,7 @@ class Expression:
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
         """The value; `functions` is numpy or pyomo.core. A parameter among the values is not taken for its number."""
-        return Walk(values, functions).evaluate(self)
+        return self.tape(values, functions)[0]
 
     def bind(
         self,
@@ -83,6 +85,10 @@ class Expression:
     def nodes(self) -> tuple[Node, ...]:
         """Every node of the tree, from the left: kept, as checks walk through a definition again and again."""
         return tuple(nodes(self.root))
+
+    @cached_property
+    def tape(self) -> Tape:
+        return Tape([self])
 
     @cached_property
     def leaves(self) -> tuple[Name, ...]:
@@ -130,6 +136,21 @@ class Expression:
         """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
         with np.errstate(all="ignore"):
             return float(Walk({}, np, np.float64).evaluate(self))
+
+
+Together = Callable[[Mapping[str, Any], Any], list[Any]]
+"""As `Function`, for the values of several functions."""
+
+
+def together(functions: Sequence[Function]) -> Together:
+    """What gives the values of several functions of one phase at once: expressions compute a part that they share once.
+
+    functions: in the order of the values.
+    """
+    expressions = [own for own in functions if isinstance(own, Expression)]
+    if len(expressions) == len(functions):
+        return Tape(expressions)
+    return lambda values, module: [own(values, module) for own in functions]
 
 
 @lru_cache(maxsize=4096)

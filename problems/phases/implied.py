@@ -12,14 +12,15 @@ are not unique. What follows is held to ALMOST only, where it takes no part: it 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import numpy as np
 
-from ..expressions.expression import Expression
-from ..probe import names_asked, slope
+from ..expressions.expression import Expression, together
+from ..probe import derivatives, names_asked
 from ..problem import Phase
 from ..quantities import Constraint
 from .invariant import MET, almost
@@ -79,7 +80,7 @@ def _final_values(phase: Phase) -> list[str]:
 
 def _spread(names: int, samples: int) -> np.ndarray:
     """Samples of no meaning between 0.1 and 0.9, shape (names, samples), the same each time."""
-    irrational = np.sqrt(np.arange(names) + np.e)
+    irrational = np.sqrt(np.arange(names) + math.e)
     return 0.1 + 0.8 * (np.outer(irrational, np.arange(1, samples + 1)) % 1.0)
 
 
@@ -148,24 +149,24 @@ def _of(constraints: Sequence[Constraint], given: Mapping[str, float]) -> dict[s
     return found
 
 
-def _met(equal: Sequence[Constraint], free: Collection[str], given: Mapping[str, float]) -> np.ndarray | None:
+def _met(equal: Sequence[Constraint], free: Sequence[str], given: Mapping[str, float]) -> np.ndarray | None:
     """The gradients by the free values, (SAMPLES, constraints, free), at samples that meet all; None without such."""
-    found = []
+    g, bounds, found = together([own.function for own in equal]), np.array([own.bounds.lower for own in equal]), []
     for sample in _spread(len(free), SAMPLES).T:
         x = sample
         for _ in range(STEPS):
             values = {**given, **dict(zip(free, x, strict=True))}
             with np.errstate(all="ignore"):
-                missed = np.array([float(own.function(values, np)) - own.bounds.lower for own in equal])
-                J = np.array([[float(slope(own.function, values, n)) for n in free] for own in equal])
+                missed = np.array([float(own) for own in g(values, np)]) - bounds
+                J = derivatives(g, values, free)
             if not (np.isfinite(missed).all() and np.isfinite(J).all()):
                 return None
-            if np.all(np.abs(missed) <= MET * (1 + np.abs([own.bounds.lower for own in equal]))):
+            if np.all(np.abs(missed) <= MET * (1 + np.abs(bounds))):
                 break
-            x = x - np.linalg.pinv(J.reshape(len(equal), len(free))) @ missed
+            x = x - np.linalg.pinv(J) @ missed
         else:
             return None
-        found.append(J.reshape(len(equal), len(free)))
+        found.append(J)
     return np.array(found)
 
 

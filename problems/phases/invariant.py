@@ -9,13 +9,13 @@ error of the scheme, they contradict each other by that: one of them is held to 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..expressions.expression import Expression
-from ..probe import names_asked, slope
+from ..probe import derivatives, names_asked
 from ..problem import Phase, Problem
 from ..quantities import Constraint, Output, Range
 
@@ -93,7 +93,7 @@ def _following(phase: Phase, own: Constraint, chosen: Sequence[str]) -> list[str
     left = [name for name in asked if name not in chosen]
     if not left or not missed <= MET * (1 + abs(own.bounds.lower)):
         return []
-    slopes = np.abs(_slopes(own.function, last, left)[:, 0])
+    slopes = np.abs(derivatives(own.function.tape, last, left)[0, :, 0])
     return [left[int(np.argmax(slopes))]] if slopes.max() > 0 else []
 
 
@@ -116,16 +116,12 @@ def _is_kept(phase: Phase, g: Expression, value: float) -> bool:
     values = dict(zip(needed, np.random.default_rng(0).uniform(0.1, 0.9, (len(needed), SAMPLES)), strict=True))
     with np.errstate(all="ignore"):
         for _ in range(STEPS):  # of Newton, along the gradient
-            slopes = _slopes(g, values, asked)
+            slopes = derivatives(g.tape, values, asked)[0]
             step = (g(values, np) - value) / np.sum(slopes**2, axis=0)
             values |= {name: values[name] - step * slope for name, slope in zip(asked, slopes, strict=True)}
-        terms = _slopes(g, values, asked) * [np.broadcast_to(rates[name](values, np), SAMPLES) for name in asked]
+        f = [np.broadcast_to(rates[name](values, np), SAMPLES) for name in asked]
+        terms = derivatives(g.tape, values, asked)[0] * f
         missed = np.abs(g(values, np) - value)
     total, size = np.abs(terms.sum(axis=0)), np.abs(terms).sum(axis=0)
     met = missed <= MET * (1 + abs(value))
     return bool((met & np.isfinite(size) & (total <= ROUNDING * size)).all())
-
-
-def _slopes(g: Expression, values: Mapping[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
-    """The derivatives of a function by some names at samples, shape (names, SAMPLES)."""
-    return np.array([np.broadcast_to(slope(g, values, name), SAMPLES) for name in names])

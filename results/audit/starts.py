@@ -15,7 +15,8 @@ import numpy as np
 
 from ...problems.problem import Problem
 from ...transcription.engines.outcome import Status
-from ...transcription.one_mesh import Origin, Watch, solve_mesh
+from ...transcription.engines.watch import Watch
+from ...transcription.one_mesh import Origin, solve_mesh
 from ...transcription.schemes.discrete import DISCRETE
 from ...transcription.schemes.mesh import Mesh
 from ...transcription.settings import Settings

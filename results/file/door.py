@@ -14,7 +14,8 @@ from typing import Any
 
 import h5py
 
-from ...problems.errors import FileError, Mistake
+from ...problems.catalog import shipped
+from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.text import shorten
 from ..declared.conform import Conformance, Scope
 from ..declared.layout import HEAD, RESULT, VERSION
@@ -25,6 +26,7 @@ FORMAT, FORMAT_VERSION = "trajopt result", 1
 DEEPEST = 50  # levels of the stored problem
 DIGITS = 300  # of a whole number that is a float, too
 
+PROBLEM_FILES, SWEEP = (".yaml", ".yml"), "sweep.json"
 ANOTHER = "give a result written by 'trajopt solve'"
 DAMAGED = "it is damaged, or another version of trajopt wrote it: solve the problem again"
 
@@ -40,7 +42,7 @@ def open_result(source: Path | bytes, layout: Group = RESULT) -> Iterator[h5py.F
     layout: what it must have; the whole of it, if none is given.
 
     Raises FileError if it cannot be read or is no result of this version; also out of the block, if the values that are
-    read there do not have their check sum.
+    read there do not have their check sum. Raises SpecError if it is a problem.
     """
     path = Path("the solution") if isinstance(source, bytes) else source
     size = len(source) if isinstance(source, bytes) else _size(path)
@@ -49,6 +51,8 @@ def open_result(source: Path | bytes, layout: Group = RESULT) -> Iterator[h5py.F
             raise FileError(Mistake(str(path), "its texts cannot be read", DAMAGED))
         file = h5py.File(BytesIO(source) if isinstance(source, bytes) else source, "r")
     except _HDF5_ERRORS as error:
+        if path.suffix.lower() in PROBLEM_FILES:
+            raise SpecError(_a_problem(str(path), str(path))) from error
         raise FileError(_unopened(path, error)) from error
     with file:
         _check(file, path, size, layout)
@@ -68,7 +72,7 @@ def head_of(path: Path) -> dict[str, Any]:
     try:
         with open_result(path, HEAD) as file:
             return {name: file.attrs[name] for name in HEAD.attributes}
-    except FileError:
+    except (FileError, SpecError):
         return {}
 
 
@@ -93,15 +97,31 @@ def _size(path: Path) -> int:
     try:
         found = os.stat(path)
     except OSError as error:
-        missing = isinstance(error, FileNotFoundError)
-        what = "there is no such file" if missing else f"it cannot be read ({(error.strerror or str(error)).lower()})"
-        beside = path.with_name(f"{path.name}.h5")
-        remedy = f"did you mean {beside}?" if missing and beside.is_file() else ANOTHER
-        raise FileError(Mistake(str(path), what, remedy)) from error
+        if isinstance(error, FileNotFoundError):
+            raise _missing(path) from error
+        what = f"it cannot be read ({(error.strerror or str(error)).lower()})"
+        raise FileError(Mistake(str(path), what, ANOTHER)) from error
+    if (path / SWEEP).is_file():
+        what = "it is the folder of a sweep, not one result"
+        raise SpecError(Mistake(str(path), what, f"make a page of it: trajopt report {path}; its table is index.csv"))
     if not stat.S_ISREG(found.st_mode):
         what = "it is a folder" if stat.S_ISDIR(found.st_mode) else "it is no ordinary file"
         raise FileError(Mistake(str(path), what, ANOTHER))
     return found.st_size
+
+
+def _missing(path: Path) -> FileError | SpecError:
+    """Of a name that no file has: SpecError if it means a problem."""
+    result, problems = path.with_name(f"{path.name}.h5"), [path.with_name(path.name + own) for own in PROBLEM_FILES]
+    if result.is_file():
+        return FileError(Mistake(str(path), "there is no such file", f"did you mean {result}?"))
+    if problem := next((str(own) for own in problems if own.is_file()), str(path) if str(path) in shipped() else ""):
+        return SpecError(_a_problem(str(path), problem))
+    return FileError(Mistake(str(path), "there is no such file", ANOTHER))
+
+
+def _a_problem(given: str, file: str) -> Mistake:
+    return Mistake(given, "this is a problem, not a result", f"solve it first: trajopt solve {file}")
 
 
 def _endless(source: Path | bytes) -> bool:
@@ -121,9 +141,6 @@ def _unopened(path: Path, error: Exception) -> Mistake:
         return Mistake(str(path), "it cannot be read (permission denied)", "check its permissions")
     if isinstance(error, BlockingIOError) or "already open for" in str(error):
         return Mistake(str(path), "another program has it open for writing", "wait until that has closed it")
-    if path.suffix.lower() in (".yaml", ".yml"):
-        what = "it cannot be read as HDF5: this is a problem file, not a result"
-        return Mistake(str(path), what, f"solve it first: trajopt solve {path}")
     return Mistake(str(path), "it cannot be read as HDF5", ANOTHER)
 
 

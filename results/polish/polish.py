@@ -74,7 +74,7 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
     began, first = perf_counter(), Polished(solution, spec)
     if not solution.solved:
         return first
-    spent = sum(sum(record.seconds.values()) for record in solution.meshes)
+    spent = _seconds(solution)
     end = began + max((spec.solver.seconds or inf) - spent - solution.elsewhere, 0.0)
     found = why_not(spec) or _polished(first, progress, lambda: perf_counter() > end or (stop is not None and stop()))
     if isinstance(found, str):
@@ -92,9 +92,14 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
         unmet=new.unmet if missed else (),
         stopped=stopped,
         discarded=(*solution.meshes, *solution.discarded, *new.discarded),
-        elsewhere=new.elsewhere + solution.elsewhere + spent,
+        elsewhere=solution.elsewhere + spent + perf_counter() - began - _seconds(new),
     )
     return Polished(new, found.spec)
+
+
+def _seconds(solution: Solution) -> float:
+    """Of its meshes."""
+    return sum(sum(record.seconds.values()) for record in solution.meshes)
 
 
 def _polished(first: Polished, progress: Progress, stop: Stop) -> Polished | str:

@@ -33,7 +33,7 @@ def looked_at(plan: Plan) -> list[int]:
     return sorted(cases)
 
 
-def check(plan: Plan, load: Callable[[list[str]], object]) -> None:
+def check_cases(plan: Plan, load: Callable[[list[str]], object]) -> None:
     """Load the cases of `looked_at`. Raises SpecError with what is wrong in them, each mistake once."""
     found: dict[tuple[str, str], Mistake] = {}
     for number in looked_at(plan):

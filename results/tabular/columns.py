@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,8 +18,10 @@ from ..file.write_phase import functions_over
 POINTS, DENSE = "points", "dense"
 
 MAX_ROWS = 10_000_000
+EXACT_DECIMALS = 22
+"""Powers of ten up to this one are floats without rounding."""
 ROUNDING = 1e-9
-"""Of a step: the last time of an even grid is the final time if it is that near."""
+"""Of a step, or of all if that is shorter: the last time of an even grid is the final time if it is that near."""
 
 
 class Column(NamedTuple):
@@ -100,7 +103,10 @@ def _even(file: str, trajectory: Trajectory, step: float) -> _Block:
     first, last, phase = trajectory.initial_time, trajectory.final_time, trajectory.phase
     count = int(np.floor((last - first) / step + ROUNDING))
     t = first + step * np.arange(count + 1)
-    t = np.append(t, last) if last - t[-1] > ROUNDING * step else np.append(t[:-1], last)
+    if (digits := max(_decimals(first), _decimals(step))) <= EXACT_DECIMALS:
+        t = np.round(t, digits)
+    near = ROUNDING * min(step, last - first)
+    t = np.append(t, last) if last - t[-1] > near else np.append(t[:-1], last)
     s = (t - first) / (last - first) if last > first else np.zeros_like(t)
     sample = trajectory.at(np.clip(s, 0.0, 1.0))
     inputs = (*phase.controls, *phase.algebraic)
@@ -115,6 +121,11 @@ def _even(file: str, trajectory: Trajectory, step: float) -> _Block:
         for state, dual in zip(phase.states, sample.costate, strict=True):
             curves[_named("costate", state.name)] = Column("", dual)
     return _Block(file, phase.name, Column(phase.time_unit, t), curves)
+
+
+def _decimals(number: float) -> int:
+    """Decimals of a number as it is written: 0.3 has one, and so have its multiples."""
+    return max(0, -int(Decimal(repr(float(number))).as_tuple().exponent))
 
 
 def _named(kind: str, name: str) -> str:

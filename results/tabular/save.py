@@ -20,9 +20,7 @@ CSV, PARQUET = ".csv", ".parquet"
 def check_format(path: Path) -> None:
     """Refuse, before any work is done, a name of neither format, or Parquet without pandas. Raises SpecError."""
     check_suffix(path, "table", (CSV, PARQUET), f"end the name with {CSV} or {PARQUET}")
-    if path.suffix.lower() == PARQUET and not (
-        find_spec("pandas") and (find_spec("pyarrow") or find_spec("fastparquet"))
-    ):
+    if path.suffix.lower() == PARQUET and not (find_spec("pandas") and find_spec("pyarrow")):
         what = "Parquet files need the packages pandas and pyarrow, which are not installed"
         raise SpecError(Mistake(str(path), what, f"run: pip install pandas pyarrow, or end the name with {CSV}"))
 
@@ -70,6 +68,6 @@ def save(table: Mapping[str, Column], path: Path, units: bool) -> None:
         frame = pandas.DataFrame({name: column.values for name, column in table.items()})
         frame.attrs["units"] = {name: column.unit for name, column in table.items() if column.unit}
         try:
-            frame.to_parquet(temporary, index=False)
+            frame.to_parquet(temporary, engine="pyarrow", index=False)
         except (ImportError, ValueError) as error:
             raise FileError(Mistake(str(path), f"pandas cannot write it ({error})", "write .csv")) from error

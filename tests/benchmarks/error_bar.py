@@ -22,7 +22,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from known_optima import KNOWN, Known
 
 from trajopt.transcription.engines.outcome import Status
-from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
+from trajopt.transcription.engines.watch import Watch
+from trajopt.transcription.one_mesh import Origin, solve_mesh
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solution.objective_error import ObjectiveError, objective_error
 

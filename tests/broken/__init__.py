@@ -1,6 +1,6 @@
 """Broken problem files: each a small edit of a good one, with the place and the words its message must have.
 
-`CASES` is data: the tests of the library and of the command line run the same list. `write` puts a case on the disk.
+`CASES` is data: each by itself is run by tests/cli/test_cli.py. `write` puts a case on the disk.
 """
 
 from trajopt.transcription.schemes import table as schemes

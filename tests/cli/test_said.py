@@ -1,13 +1,15 @@
 """What is said is so: odd files are told, work is counted, values are data; slips on the command line."""
 
 import json
+import re
 import subprocess
+import time
 
 import h5py
 import pytest
 from command_line import TRAJOPT, process, solved_once, trajopt
 
-from trajopt.cli.output.progress import EverySoOften
+from trajopt.cli.output import progress
 from trajopt.transcription.loading import load_yaml
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -117,12 +119,67 @@ def test_compare_is_in_the_order_of_segments_if_nothing_else_differs(folder):
     assert [row.split()[2] for row in rows] == ["12", "4"], "of two methods, as they were given"
 
 
-def test_progress_comes_now_and_then():
-    now, told = [0.0], []
-    often = EverySoOften(told.append, 10.0, lambda: now[0])
-    for now[0] in (1.0, 9.0, 10.5, 12.0, 21.0):
-        often(f"at {now[0]}")
-    assert told == ["at 10.5", "at 21.0"]
+@pytest.fixture
+def often(monkeypatch):
+    monkeypatch.setattr(progress, "INTERVAL", 0.02)
+
+
+SHOWN = re.compile(r" +\d+ s  said: (building|mesh \d+, iteration \d+, J = \S+, infeasibility \S+)")
+
+
+def test_a_long_solve_tells_where_it_is(folder, often):
+    """Where standard error is no terminal; the seconds that it tells are those that it took."""
+    (folder / "said.yaml").write_text(FILE)
+    told = trajopt("solve", "said.yaml", "--segments", "150")
+    lines = told.stderr.splitlines()
+    assert len(lines) > 3 and all(map(SHOWN.fullmatch, lines)), told.stderr
+    assert len({line.partition("  ")[2] for line in lines}) > 1, "it goes on"
+    assert trajopt("solve", "said.yaml", "--segments", "150", "-q").stderr == ""
+
+
+@pytest.mark.parametrize("command", ["verify", "report", "explain"])
+def test_other_long_work_tells_it_too(folder, often, command):
+    (folder / "said.yaml").write_text(FILE)
+    solved_once(folder / "said.h5", "said.yaml")
+    told = trajopt(command, "said.h5")
+    assert re.match(r" +\d+ s  (verify|report|explain)ing said", told.stderr)
+    assert told.stdout
+    quiet = trajopt(command, "said.h5", "-q")
+    assert (quiet.exit_code, quiet.stdout, quiet.stderr) == (told.exit_code, "", "")
+
+
+def test_nobody_reads_the_progress_any_more():
+    """The work goes on, and nothing is told of it."""
+    tried = []
+
+    def closed():
+        tried.append(0)
+        raise BrokenPipeError
+
+    with progress._again_and_again(closed, 0.01):
+        time.sleep(0.2)
+    assert len(tried) == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--refine", "1e-7"),
+        ("--refine", "1e-10", "--set", "solver.max_iter=14"),  # finer meshes fail
+        ("--starts", "3"),
+        ("--polish",),
+        ("--set", "states.x.final=200"),  # cannot be, and why
+    ],
+)
+def test_the_seconds_are_those_of_all_work(folder, arguments):
+    (folder / "said.yaml").write_text(FILE)
+    began = time.perf_counter()
+    told = json.loads(trajopt("solve", "said.yaml", *arguments, "--json").stdout)
+    passed = time.perf_counter() - began
+    told_of_meshes = sum(sum(mesh["seconds"].values()) for mesh in told["meshes"])
+    assert 0.6 * passed < told["seconds"]["total"] <= passed
+    assert told_of_meshes <= told["seconds"]["total"] * (1 + 1e-9)
+    assert told["iterations"] >= sum(mesh["iterations"] for mesh in told["meshes"])
 
 
 # -- the command line ------------------------------------------------------------------------------------------------
@@ -148,13 +205,24 @@ def test_progress_comes_now_and_then():
         (("check", "cartpole", "--set", "parameters.u_max=1,5"), 2, "--set parameters.u_max: a number has a point"),
         (("export", "cartpole", "q.csv"), 2, "error: q.csv: '.csv' is no format"),
         (("solve", "cartpole", "-o", "-"), 2, "-o -: a result is an HDF5 file"),
-        (("show", "said.yaml"), 3, "solve it first: trajopt solve said.yaml"),
+        (
+            ("show", "said.yaml"),
+            2,
+            "said.yaml: this is a problem, not a result; solve it first: trajopt solve said.yaml",
+        ),
+        (("verify", "said"), 2, "said: this is a problem, not a result; solve it first: trajopt solve said.yaml"),
+        (("plot", "goddard"), 2, "goddard: this is a problem, not a result; solve it first: trajopt solve goddard"),
+        (("table", "nowhere"), 3, "nowhere: there is no such file; give a result"),
+        (("solve", "cartpole", "--guess", "said.yaml"), 2, "said.yaml: this is a problem, not a result"),
+        (("show", "swept"), 2, "swept: it is the folder of a sweep, not one result; make a page of it: trajopt report"),
         (("solve", "old.h5"), 2, "old.h5: this is a result, not a problem file"),
         (("check", "cartpole", "said.yaml", "--set", "parameters.l=1"), 2, "--set parameters (in said.yaml)"),
     ],
 )
 def test_slips(folder, arguments, code, words):
     (folder / "said.yaml").write_text(FILE)
+    (folder / "swept").mkdir()
+    (folder / "swept/sweep.json").write_text("{}")
     with h5py.File(folder / "old.h5", "w"):
         pass
     run = trajopt(*arguments)

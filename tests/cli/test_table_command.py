@@ -2,6 +2,7 @@
 
 import csv
 import io
+import sys
 
 import h5py
 import numpy as np
@@ -79,6 +80,19 @@ def test_an_even_grid_that_fits_ends_once(swing):
     assert len(columns["time"]) == 21 and columns["time"][-1] == "2.0"
 
 
+@pytest.mark.parametrize(
+    ("step", "times"),
+    [
+        ("0.3", "0.0 0.3 0.6 0.9 1.2 1.5 1.8 2.0"),
+        ("0.7", "0.0 0.7 1.4 2.0"),
+        ("0.35", "0.0 0.35 0.7 1.05 1.4 1.75 2.0"),
+        ("1e300", "0.0 2.0"),
+    ],
+)
+def test_the_times_are_as_round_as_the_step(swing, step, times):
+    assert rows_of(trajopt("table", swing, "--every", step, "-o", "-").stdout)["time"] == times.split()
+
+
 def test_phases_and_units(launch):
     columns = rows_of(trajopt("table", launch, "--units", "-o", "-").stdout)
     assert list(columns)[:5] == ["phase", "time [s]", "x [m]", "v [m/s]", "u [m/s**2]"]
@@ -110,17 +124,25 @@ def test_mistakes(swing, arguments, words):
     assert (done.exit_code, done.stdout) == (2, "") and words in done.stderr
 
 
-def test_parquet(swing, folder):
-    done = trajopt("table", swing, "-o", "a.parquet")
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        assert done.exit_code == 2 and "pip install pandas pyarrow" in done.stderr
-        return
-    import pandas
+def test_parquet_holds_what_the_csv_holds(launch, folder):
+    """Of two phases, so with texts, and with places where a curve is not."""
+    frames = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
+    assert trajopt("table", launch, "--every", "0.1", "-o", "a.parquet").exit_code == 0
+    frame = frames[0].read_parquet("a.parquet")
+    columns = rows_of(trajopt("table", launch, "--every", "0.1", "-o", "-").stdout)
+    assert list(frame.columns) == list(columns)
+    assert list(frame["phase"]) == columns["phase"]
+    for name in ("time", "x", "u", "energy"):
+        assert np.array_equal(frame[name], [float(v or "nan") for v in columns[name]], equal_nan=True)
+    assert frame.attrs["units"] == {"time": "s", "x": "m", "v": "m/s", "u": "m/s**2", "energy": "J"}
 
-    frame = pandas.read_parquet("a.parquet")
-    assert frame.columns[0] == "time" and len(frame) == 51
+
+@pytest.mark.parametrize("lacking", ["pandas", "pyarrow"])
+def test_parquet_without_its_packages(swing, folder, monkeypatch, lacking):
+    monkeypatch.setitem(sys.modules, lacking, None)  # as the import system has it for what is not there
+    done = trajopt("table", swing, "-o", "a.parquet")
+    assert done.exit_code == 2 and "pip install pandas pyarrow" in done.stderr
+    assert not (folder / "a.parquet").exists()
 
 
 def test_a_group_of_the_file_is_a_frame_of_one_row_a_time(swing):

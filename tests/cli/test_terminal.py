@@ -40,7 +40,7 @@ def plain(shown: str) -> list[str]:
 
 @pytest.mark.parametrize("columns", [30, 80])
 def test_the_live_line_appears_and_vanishes(columns):
-    shown = on_a_terminal("solve", "cartpole", "--segments", "800", columns=columns)
+    shown = on_a_terminal("solve", "cartpole", "--segments", "400", columns=columns)
     live, table = shown.rsplit("\x1b[2K", 1)
     assert live.startswith("\x1b[?25lcart-pole swing-up: building") and "\x1b[?25h" in live  # the cursor comes back
     lines = [STYLE.sub("", line).rstrip("\r\n") for line in live.split("\r\x1b[2K")]

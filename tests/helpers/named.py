@@ -2,7 +2,8 @@
 
 import os
 from collections.abc import Sequence
-from typing import TypeVar
+from itertools import product
+from typing import Any, TypeVar
 
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
@@ -29,6 +30,14 @@ T = TypeVar("T")
 def share(items: Sequence[T], of: int, first: int = 0) -> list[T]:
     """One of so many items, from the first on; all of them where TRAJOPT_SLOW is set."""
     return list(items if ALL else items[first::of])
+
+
+def crossed(*axes: Sequence[Any]) -> list[tuple[Any, ...]]:
+    """Tuples in which every item of every axis stands at least once; all that there are where TRAJOPT_SLOW is set."""
+    if ALL:
+        return list(product(*axes))
+    rows = range(max(map(len, axes)))
+    return [tuple(axis[row % len(axis)] for axis in axes) for row in rows]
 
 
 def problem_named(name: str, *overrides: str) -> Problem:

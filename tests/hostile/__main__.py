@@ -21,6 +21,7 @@ from .full_disk import runs as of_full_disks
 from .life import grows, life
 from .moments import runs as of_moments
 from .processes import Count, Run, preload
+from .sweeps import runs as of_sweeps
 
 
 def results(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
@@ -48,6 +49,11 @@ def full(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Itera
     yield from (iter([run]) for run in islice(of_full_disks(folder), told.files))
 
 
+def sweeps(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
+    more = ["--scheduler", told.scheduler] if told.scheduler else []
+    yield from (iter([run]) for run in of_sweeps(told.files, told.seed, folder, more))
+
+
 def long_life(count: int) -> int:
     """Print what many solves in one process leave; 1 if that grows."""
     marks = {}
@@ -65,6 +71,7 @@ KINDS = {
     "problems": (problems, 2000),
     "moments": (moments, 300),
     "disks": (disks, len(CASES)),
+    "sweeps": (sweeps, 200),
     "full": (full, len(COMMANDS_THAT_WRITE) * len(LEFT)),
 }
 """Name -> the runs of each file, moment or case, and how many of them."""
@@ -79,6 +86,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so many")
     parser.add_argument("--commands", nargs="*", default=list(COMMANDS), help=", ".join(COMMANDS))
     parser.add_argument("--sources", nargs="*", default=[*RESULTS, OLD], help="results that are made bad")
+    parser.add_argument("--scheduler", default="", help="of a Dask cluster, for the sweeps")
     told = parser.parse_args()
     if told.kind == "life":
         return long_life(told.files or 1000)

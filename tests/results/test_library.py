@@ -1,13 +1,12 @@
 """`trajopt reproduce library`: the shipped problems beside published values, the kept baseline, and what is worse."""
 
 import json
-import os
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 from command_line import process, strict_json, trajopt
-from named import SOLVED
+from named import ALL, SOLVED, share
 from repository import ROOT
 
 from trajopt.problems.catalog import shipped
@@ -23,7 +22,8 @@ CHEAP = {
     *("clamped_beam", "double_integrator_min_time", "fuller", "interior_point", "jacobson_lele", "robbins", "shot_put"),
     *("singular_double_integrator", "speed_limit"),
 }
-"""Problems that are verified in less than some 2 s; others are where TRAJOPT_SLOW is set."""
+"""Problems that are verified in less than some 2 s."""
+VERIFIED = shipped() if ALL else share(sorted(CHEAP), 2)
 
 HOW = "trajopt reproduce library writes library.md and baseline.json anew"
 
@@ -53,7 +53,7 @@ def test_every_kept_problem_is_solved_and_agrees_with_its_reference():
 @pytest.mark.parametrize("name", SOLVED)
 def test_a_shipped_problem_ends_as_its_file_and_the_baseline_say(tmp_path, name):
     """What is better than the baseline fails as well: the page tells what is."""
-    verified = name in CHEAP or bool(os.environ.get("TRAJOPT_SLOW"))
+    verified = name in VERIFIED
     row = solve_one(name, tmp_path, verified=verified)
     assert row.solved, row.message
     assert bool(row.checks) == verified

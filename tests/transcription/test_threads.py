@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from named import ALL, share
 
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import find_problem
@@ -21,7 +22,7 @@ JOBS = [
     ("block_move_min_work", ("mesh=[{method: trapezoid, segments: 20}]",)),
     ("pendulum", ("solver.engine=newton",)),
 ]
-THREADS, ROUNDS = 4, 4
+THREADS, ROUNDS = 4, 4 if ALL else 2
 
 
 def solution_of(job: tuple[str, tuple[str, ...]]) -> np.ndarray:
@@ -41,7 +42,7 @@ def test_threads_give_what_one_thread_gives():
         np.testing.assert_array_equal(z, alone[number % len(JOBS)])
 
 
-@pytest.mark.parametrize("_", range(3))
+@pytest.mark.parametrize("_", share(range(3), 2))
 def test_a_model_that_fails_leaves_the_others_alone(_):
     """An error in the middle of building in one thread changes nothing for the others."""
     failed = threading.Event()

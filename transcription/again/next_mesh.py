@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..one_mesh import Planned
 from ..refinement.goal import Goal
 from ..refinement.refine import refine
 from ..settings import Refine
 from ..solution.solution import Solution
+from ..transcribe import Planned
 
 LOOSE, LOOSENESS = 1e-5, 0.01
 """Tolerance of the engine on a mesh that refinement does not expect to be the last: LOOSE, or LOOSENESS times the error

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from math import isfinite
 from typing import NamedTuple
 
-from ...problems.expressions.structure import Form, form_of
+from ...problems.names.structure import Form, form_of
 from ...problems.probe import depends_on
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Range

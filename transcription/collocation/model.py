@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.expressions.structure import Form
+from ...problems.names.structure import Form
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Constraint as PathConstraint
 from ..constraint_kinds import kind_between

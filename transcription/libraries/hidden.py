@@ -8,6 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
+class Onlooker(threading.Thread):
+    """A thread that shows what others do, and imports nothing that is hidden."""
+
+
 @contextmanager
 def hidden(*names: str, absent: bool = False) -> Iterator[None]:
     """A block in which some libraries seem not to be loaded, though they may be.
@@ -15,9 +19,10 @@ def hidden(*names: str, absent: bool = False) -> Iterator[None]:
     names: of the libraries.
     absent: whether they seem not to be installed either: an import of them fails at once.
 
-    With several threads nothing is hidden, since another may be importing them for itself.
+    With several threads nothing is hidden, since another may be importing them for itself; those that only look on
+    do not count.
     """
-    if threading.active_count() > 1:
+    if sum(not isinstance(thread, Onlooker) for thread in threading.enumerate()) > 1:
         yield
         return
     loaded = {name: sys.modules.pop(name) for name in names if name in sys.modules}

@@ -88,7 +88,7 @@ class Nearby:
         z = self.u[n:, None, k] + np.einsum("szc,cbs->zbs", self.slope[k], controls - self.u[:n, None, k])
         for _ in range(CHORD_STEPS):
             values = self.phase.arguments(t, x, np.concatenate([controls, z]), self.p)
-            r = np.stack([np.broadcast_to(own.function(values, np), shape) for own in self.phase.residuals])
+            r = np.stack([np.broadcast_to(own, shape) for own in self.phase.residuals_at_once(values, np)])
             step = -np.einsum("szr,rbs->zbs", self.inverse[k], r)
             z = z + step
             if (np.abs(step) <= TOLERANCE * (1 + np.abs(z))).all():
@@ -116,7 +116,7 @@ def _residuals(
     shifts = np.zeros((len(u), size + 1, 1), complex)
     shifts[rows, np.arange(size)] = COMPLEX_STEP * 1j
     values = phase.arguments(t[None, :], x[:, None, :], u[:, None, :] + shifts, p)
-    found = [np.broadcast_to(r.function(values, np), (size + 1, len(t))) for r in phase.residuals]
+    found = [np.broadcast_to(r, (size + 1, len(t))) for r in phase.residuals_at_once(values, np)]
     residual = np.stack([row[-1].real for row in found])
     return residual, np.stack([row[:-1].imag for row in found]).transpose(2, 0, 1) / COMPLEX_STEP
 

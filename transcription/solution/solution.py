@@ -23,6 +23,14 @@ LARGEST_ERROR = 1e-2
 """Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
 
 
+ENDED = {
+    Status.INTERRUPTED: "was interrupted",
+    Status.TIME_LIMIT: "was not solved within the time limit",
+    Status.ACCEPTABLE: Status.ACCEPTABLE.message,
+}
+"""How a mesh is called that ended with one of these statuses; of all others, that it failed."""
+
+
 @short_repr
 @dataclass(frozen=True)
 class MeshRecord:
@@ -54,6 +62,12 @@ class MeshRecord:
     def segments(self) -> int:
         """Of all phases together."""
         return sum(mesh.segments for mesh in self.grids)
+
+    @property
+    def why_not_kept(self) -> str:
+        """Why the solution that is given back is not that of this mesh, but of the one before."""
+        what = ENDED.get(self.status) or f"failed: {self.status.message}"
+        return f"the next mesh, of {self.segments} segments, {what}"
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...problems.expressions.structure import form_of
+from ...problems.expressions.expression import together
 from ...problems.lean.records import dataclass
-from ...problems.probe import depends_on, slope
+from ...problems.names.structure import form_of
+from ...problems.probe import depends_on, derivatives
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable
 from ..program.alone import building
@@ -209,4 +210,4 @@ def slopes(phase: Phase, guess: Curves, name: str, states: Sequence[State]) -> l
     values: dict[str, Any] = {**guess.samples(s), **guess.parameters}
     values["t"] = guess.initial_time + s * (guess.final_time - guess.initial_time)
     with np.errstate(all="ignore"):
-        return [slope(state.rate, values, name) for state in states]
+        return list(derivatives(together([state.rate for state in states]), values, [name])[:, 0])

@@ -4,6 +4,7 @@ from math import log, sqrt
 
 import numpy as np
 import pytest
+from named import crossed
 
 import trajopt
 from trajopt.problems.build import build
@@ -72,11 +73,12 @@ def solved(text, method="radau", segments=8):
     return trajopt.solve(trajopt.load(text, {"mesh": [{"method": method, "segments": segments}]}))
 
 
-@pytest.mark.parametrize(("method", "error"), METHODS.items())
-@pytest.mark.parametrize(
-    ("text", "optimum"), [(COST, COST_OPTIMUM), (DYNAMICS, DYNAMICS_OPTIMUM)], ids=["cost", "rate"]
-)
-def test_optima_by_every_method(text, optimum, method, error):
+EXACT = [(COST, COST_OPTIMUM), (DYNAMICS, DYNAMICS_OPTIMUM)]
+
+
+@pytest.mark.parametrize(("exact", "method"), crossed(EXACT, [*METHODS]), ids=str)
+def test_optima_by_every_method(exact, method):
+    (text, optimum), error = exact, METHODS[method]
     solution = solved(text, method)
     assert solution.solved
     assert solution.objective == pytest.approx(optimum, abs=error)

@@ -4,6 +4,7 @@ import numpy as np
 import pyomo.core as pyomo
 import pytest
 from derivatives import check_derivatives
+from named import crossed
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
@@ -78,8 +79,7 @@ def point(nlp, low=0.2, high=0.9):
     return np.random.default_rng(7).uniform(low, high, nlp.n)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(("place", "method"), crossed([*PLACES], [*METHODS]))
 def test_derivatives(place, method):
     nlp = compiled(program(method, **PLACES[place])[0])
     check_derivatives(nlp, point(nlp), 1e-7)

@@ -109,7 +109,7 @@ def test_an_objective_that_was_changed_fails(result):
 
 
 def test_a_fine_mesh_passes(folder):
-    assert not failed(solved_once(folder / "fine.h5", "cartpole", "--segments", "200"), anew=True)
+    assert not failed(solved_once(folder / "fine.h5", "cartpole", "--segments", "200"))
 
 
 UNSTABLE = """
@@ -152,7 +152,7 @@ def test_an_extremal_that_is_no_optimum_fails_on_the_tangent_of_the_constraint(f
 def test_the_control_held_between_samples(result):
     rough = trajopt("verify", result, "--sample-hold", "0.1", "--tol", "1e-2")
     assert rough.exit_code == 1 and "v under the control held for 0.1 s" in rough.stdout
-    assert all(check.passed for check in verify(result, 1e-2, hold=0.001, anew=False))
+    assert all(check.passed for check in verify(result, 1e-2, hold=0.002, anew=False))
 
 
 def test_half_the_interval_is_half_the_deviation(result):

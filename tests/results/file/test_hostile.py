@@ -59,7 +59,7 @@ def test_a_page_of_a_result_that_holds_little_of_its_problem(good, tmp_path, tex
 
 
 def test_a_sample_of_the_campaign(good, tmp_path):
-    assert ended_badly(bad_files(good, 10, seed=7), good, tmp_path) == []
+    assert ended_badly(bad_files(good, 6, seed=7), good, tmp_path) == []
 
 
 @pytest.fixture

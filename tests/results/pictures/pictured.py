@@ -6,7 +6,7 @@ SOLVES = {
     "cartpole": ("cartpole", "--segments", "5"),
     "unsolved": ("cartpole", "--segments", "5", "--set", "solver.max_iter=2"),
     "pendulum": ("pendulum", "--segments", "20"),  # no costates
-    "biped": ("biped", "--set", "mesh.-1.segments=6"),  # two meshes, algebraic variables
+    "biped": ("biped", "--set", "mesh.-1.segments=5"),  # two meshes, algebraic variables
     "bounded": ("bryson_denham", "--segments", "6"),  # a path constraint on one state
 }
 

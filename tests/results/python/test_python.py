@@ -185,7 +185,7 @@ def test_nothing_is_printed(folder, capfd):
 @pytest.mark.parametrize("source, overrides", [
     ("cartpole", {}),
     ("cartpole", {"solver.max_iter": 3}),
-    ("biped", {}),
+    ("biped", {"mesh": [{"method": "hermite-simpson", "segments": 5}]}),
     ("brachistochrone", {}),
     (BLOCK, {"mesh": [{"method": "radau", "degree": 3, "segments": 5}]}),
     (BLOCK, {"mesh": [{"method": "runge-kutta-4", "segments": 6, "substeps": 2}]}),

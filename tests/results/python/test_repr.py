@@ -3,6 +3,7 @@
 from dataclasses import fields, is_dataclass
 
 import pytest
+from named import share
 
 import trajopt
 from trajopt.problems.build import build
@@ -17,7 +18,7 @@ from trajopt.transcription.solve import solve
 FILES = shipped()
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", share([*FILES], 3))
 def test_a_few_lines_with_the_names_of_the_problem(name):
     spec = load(FILES[name])
     problem = build(spec)

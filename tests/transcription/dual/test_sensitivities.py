@@ -7,6 +7,7 @@ from math import isnan
 import numpy as np
 import pytest
 from command_line import trajopt as command
+from named import share
 
 import trajopt
 from trajopt.problems.build import build, build_all
@@ -91,7 +92,7 @@ def assert_are_slopes(load, wanted=(), rel=2e-4):
 
 
 @pytest.mark.parametrize(
-    "method", ["hermite-simpson", "hermite-simpson-compressed", "lobatto", "gauss", "runge-kutta-4"]
+    "method", share(["hermite-simpson", "hermite-simpson-compressed", "lobatto", "gauss", "runge-kutta-4"], 2)
 )
 def test_parameters_in_dynamics_bounds_ends_exponents_and_tables(method):
     wanted = ["b", "n", "T", "xf", "c", "k", "limit", "at"]

@@ -237,7 +237,7 @@ def test_settings_reach_every_mesh():
 
 
 @pytest.mark.parametrize(
-    ("segments", "options", "scaling"), [(20, {}, None), (10_000, {}, 0), (10_000, {"mumps_scaling": 77}, 77)]
+    ("segments", "options", "scaling"), [(20, {}, None), (7_000, {}, 0), (7_000, {"mumps_scaling": 77}, 77)]
 )
 def test_a_large_program_has_defaults_of_its_own_and_the_users_go_before(segments, options, scaling):
     problem = build(load(shipped()["block_move_min_force"]))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from command_line import trajopt
 from matplotlib.mathtext import MathTextParser
-from named import share
+from named import crossed, share
 from repository import ROOT
 
 from trajopt.problems.build import build
@@ -132,8 +132,8 @@ def of_file(path: Path, segments: int = 3) -> Reference:
     return Reference(build(spec), replace(steps(spec.mesh)[-1], segments=segments, degree=None).mesh())
 
 
-EACH = [(path, suffix) for first, suffix in enumerate(READERS) for path in share(FILES, len(READERS), first)]
-"""Every file in one of the formats."""
+EACH = [(path, suffix) for first, suffix in enumerate(READERS) for path in share(FILES, 2 * len(READERS), 2 * first)]
+"""Every second file in one of the formats; with TRAJOPT_SLOW every file in each."""
 
 
 @pytest.mark.parametrize(("path", "suffix"), EACH, ids=lambda part: getattr(part, "stem", part))
@@ -154,9 +154,9 @@ METHODS = [
 ]
 
 
-@FORMAT
-@pytest.mark.parametrize(("method", "degree", "form"), METHODS)
-def test_every_kind_of_method(method, degree, form, suffix, tmp_path):
+@pytest.mark.parametrize(("how", "suffix"), crossed(METHODS, [*READERS]))
+def test_every_kind_of_method(how, suffix, tmp_path):
+    method, degree, form = how
     problem = build(load(shipped()["pendulum"]))
     check(Reference(problem, Mesh.of(find(method, degree, form), 3)), suffix, tmp_path / f"a{suffix}")
 

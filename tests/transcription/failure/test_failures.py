@@ -6,7 +6,7 @@ import warnings
 
 import pytest
 from command_line import trajopt
-from named import share
+from named import crossed, share
 
 from trajopt.cli.errors import TOLERANCE_MISSED
 from trajopt.problems.build import build
@@ -211,7 +211,7 @@ EVERYWHERE = [case for case in NOT_FINITE if case not in ("overflow", "a derivat
 @pytest.mark.parametrize(
     ("case", "method"),
     [(case, "hermite-simpson") for case in NOT_FINITE]
-    + [(case, method) for case in EVERYWHERE for method in ("trapezoid", "hermite-simpson-compressed")],
+    + crossed(EVERYWHERE, ["trapezoid", "hermite-simpson-compressed"]),
 )
 def test_a_function_without_a_value(case, method):
     text, sentence = NOT_FINITE[case]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from derivatives import check_derivatives, dense
+from named import share
 from pyomo import core as pyo
 from pyomo.core import ConcreteModel, Constraint, Param
 
@@ -30,8 +31,10 @@ def test_derivatives_and_sparsity_of_a_transcription(scheme, backend):
     assert set(zip(rows, cols, strict=True)) == set(zip(*np.nonzero(np.tril(hess)), strict=True))
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("name", SYMENGINE)
+EACH = [*((name, "llvm") for name in SYMENGINE), *((name, "lambda") for name in share([*SYMENGINE], 3))]
+
+
+@pytest.mark.parametrize(("name", "backend"), EACH)
 def test_every_function(name, backend):
     function = getattr(pyo, name)
     model = small(

@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from named import share
+from named import ALL, share
 from repository import ROOT
 
 from trajopt.problems.build import build
@@ -69,12 +69,12 @@ def meshes_of(problem):
     return [Mesh.of(GAUSS, 4) for _ in problem.phases]
 
 
-@pytest.mark.parametrize("path", share(FILES, 3), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", share(FILES, 4), ids=lambda path: path.stem)
 def test_other_numbers_in_every_shipped_problem(path):
     spec = load(path)
     first = build(spec)
     program(first, meshes_of(first))
-    for factor in (1.0009765625, 0.9990234375):
+    for factor in (1.0009765625, 0.9990234375) if ALL else (1.0009765625,):
         try:
             other = build(load(path, moved(spec, factor)))
         except SpecError:  # these numbers go together

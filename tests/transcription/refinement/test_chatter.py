@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from trajopt.problems.build import build_all
+from trajopt.transcription.engines.watch import Watch
 from trajopt.transcription.loading import load_file, load_yaml
-from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
+from trajopt.transcription.one_mesh import Origin, solve_mesh
 from trajopt.transcription.refinement.chatter import Damping, Rough, chatter
 from trajopt.transcription.settings import schedule_of, settings_of
-from trajopt.transcription.solve import planned, solve
+from trajopt.transcription.solve import solve
+from trajopt.transcription.transcribe import planned
 
 BANG_BANG = """\
 trajopt: 1

@@ -1,5 +1,6 @@
 """Refinement: meets its tolerance where it can, says where it cannot, and puts the points where they are needed."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +17,7 @@ from trajopt.transcription.settings import Refine, Settings, Step, settings_of, 
 from trajopt.transcription.solve import solve
 
 
+@cache
 def run(name: str, *overrides: str):
     spec = load(shipped()[name], overrides)
     return solve(build_all(spec), steps(spec.mesh), settings_of(spec))

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from command_line import trajopt
+from named import crossed
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
@@ -29,9 +30,11 @@ def floor(expression: str, end: str) -> str:
     return FLOOR.replace("START", other).replace("EXPRESSION", expression).replace("END", end)
 
 
-@pytest.mark.parametrize("end", ["initial", "final"])
-@pytest.mark.parametrize("expression", ["x + 0*u", "2*x - 1", "x + t*(1 - t) - t + t**2"])
-@pytest.mark.parametrize("method", COLLOCATION)
+FLOORS = ["x + 0*u", "2*x - 1", "x + t*(1 - t) - t + t**2"]
+CASES = [(method, end, floor) for end in ("initial", "final") for method, floor in crossed(COLLOCATION, FLOORS)]
+
+
+@pytest.mark.parametrize(("method", "end", "expression"), CASES)
 def test_a_path_constraint_holds_at_a_free_end(method, expression, end):
     """From x = 2 at the other end down to the floor, x = 1: J = 1 + 0.001 exactly, and u = -1 or 1 everywhere."""
     problem = build(load_text(floor(expression, end), "floor.yaml"))

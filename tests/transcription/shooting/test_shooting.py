@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from exact import growth
-from named import problem_named
+from named import crossed, problem_named
 from shooting import SCHEMES, solved
 
 from trajopt.problems.build import build
@@ -73,10 +73,10 @@ def test_cart_pole_converges_to_what_collocation_finds():
     assert other.objective == pytest.approx(58.807667, abs=2e-6)
 
 
-@pytest.mark.parametrize(
-    "name", ["brachistochrone", "shot_put", "bryson_denham", "van_der_pol", "pendulum", "cartpole_min_time"]
-)
-@pytest.mark.parametrize("method", ["runge-kutta-4", "dormand-prince"])
+FREE = ["brachistochrone", "shot_put", "bryson_denham", "van_der_pol", "pendulum", "cartpole_min_time"]
+
+
+@pytest.mark.parametrize(("name", "method"), crossed(FREE, ["runge-kutta-4", "dormand-prince"]))
 def test_shipped_problems_as_by_collocation(name, method):
     """Free final times, static parameters, bounds on simulated states."""
     other = solve(problem_named(name), [Step("hermite-simpson", 40, 1e-9)])
@@ -140,16 +140,18 @@ def test_meshes_follow_each_other_and_are_refined():
     assert solution.meshes[-1].mesh.segments > 10
 
 
-@pytest.mark.parametrize("name", ["cartpole", "van_der_pol", "bryson_denham", "brachistochrone", "shot_put"])
+STEPS = [
+    (("runge-kutta-4", 10, 4), ("runge-kutta-4", 20, 4)),
+    (("hermite-simpson", 20, None), ("runge-kutta-4", 10, 4)),
+    (("dormand-prince", 10, 4), ("hermite-simpson", 40, None)),
+]
+
+
 @pytest.mark.parametrize(
-    ("before", "after"),
-    [
-        (("runge-kutta-4", 10, 4), ("runge-kutta-4", 20, 4)),
-        (("hermite-simpson", 20, None), ("runge-kutta-4", 10, 4)),
-        (("dormand-prince", 10, 4), ("hermite-simpson", 40, None)),
-    ],
+    ("name", "steps"), crossed(["cartpole", "van_der_pol", "bryson_denham", "brachistochrone", "shot_put"], STEPS)
 )
-def test_warm_start_takes_fewer_iterations_than_cold(name, before, after):
+def test_warm_start_takes_fewer_iterations_than_cold(name, steps):
+    before, after = steps
     coarse, fine = (Step(method, segments, 1e-8, substeps=substeps) for method, segments, substeps in (before, after))
     warm = solve(problem_named(name), [coarse, fine])
     cold = solve(problem_named(name), [fine], guess=solve(problem_named(name), [coarse]).trajectories)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 from exact import growth, integration
-from named import problem_named
+from named import crossed, problem_named
 
 from trajopt.problems.problem import Problem
 from trajopt.problems.quantities import Constraint, Range
@@ -34,12 +34,12 @@ DERIVATIVES = {
 } | {"two phases": two_phases, "integration": integration}
 
 
-@pytest.mark.parametrize("name", DERIVATIVES)
-@pytest.mark.parametrize(
-    ("method", "substeps", "control"),
-    [("runge-kutta-2", 3, "constant"), ("runge-kutta-4", 2, "quadratic"), ("dormand-prince", 2, "linear")],
-)
-def test_derivatives_are_exact(name, method, substeps, control):
+HOW = [("runge-kutta-2", 3, "constant"), ("runge-kutta-4", 2, "quadratic"), ("dormand-prince", 2, "linear")]
+
+
+@pytest.mark.parametrize(("name", "how"), crossed([*DERIVATIVES], HOW))
+def test_derivatives_are_exact(name, how):
+    method, substeps, control = how
     problem = DERIVATIVES[name]()
     scheme, other = find(method, substeps=substeps, control=control), find("runge-kutta-4", substeps=1, control=control)
     mesh = Mesh((scheme, other, scheme), np.array([1.0, 2.0, 1.5]))

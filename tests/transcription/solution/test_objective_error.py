@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from benchmarks.known_optima import KNOWN
 from exact import GROWTH_OBJECTIVE, fixed, growth
-from named import problem_named
+from named import crossed, problem_named, share
 
 from trajopt.problems.problem import Guess, Phase, Problem
 from trajopt.problems.quantities import Constraint, Range, State, Variable
 from trajopt.problems.text import with_bar
 from trajopt.transcription.dual.multipliers import Multipliers
 from trajopt.transcription.engines.outcome import Status
-from trajopt.transcription.one_mesh import Origin, Watch, solve_mesh
+from trajopt.transcription.engines.watch import Watch
+from trajopt.transcription.one_mesh import Origin, solve_mesh
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solution.hamiltonian import Constrained, minimise
 from trajopt.transcription.solution.objective_error import ROUNDING, objective_error
@@ -84,19 +85,19 @@ COVERED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "method"), COVERED)
-def test_the_bar_holds(name, method):
+@pytest.mark.parametrize(("covered", "segments"), crossed(COVERED, [10, 20]))
+def test_the_bar_holds(covered, segments):
     """Kinks, jumps, bounds, free times, parameters, algebraic variables, constrained integrals, phases, maximising."""
+    name, method = covered
     own = known(name)
-    for segments in (10, 20):
-        solution, estimate = estimated(own.problem(), method, segments, tolerance=1e-8)
-        error = abs(solution.objective - own.optimum)
-        assert error <= estimate.bar < 300 * max(error, ROUNDING * (1 + abs(own.optimum)))
-        assert sum(share.sum() for share in estimate.shares) <= estimate.bar
-        assert all(len(s) == segments for s in (*estimate.segments, *estimate.shares))
+    solution, estimate = estimated(own.problem(), method, segments, tolerance=1e-8)
+    error = abs(solution.objective - own.optimum)
+    assert error <= estimate.bar < 300 * max(error, ROUNDING * (1 + abs(own.optimum)))
+    assert sum(share.sum() for share in estimate.shares) <= estimate.bar
+    assert all(len(s) == segments for s in (*estimate.segments, *estimate.shares))
 
 
-@pytest.mark.parametrize("method", ["trapezoid", "hermite-simpson", "radau", "runge-kutta-4"])
+@pytest.mark.parametrize("method", share(["trapezoid", "hermite-simpson", "radau", "runge-kutta-4"], 2))
 def test_a_bound_of_a_state_is_as_good_as_a_path_constraint_that_says_the_same(method):
     """Where it acts over an arc, its multipliers at the knots belong to the segments on both sides."""
     own = known("speed limit")

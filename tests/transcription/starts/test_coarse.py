@@ -14,7 +14,7 @@ from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step, settings_of
 from trajopt.transcription.solve import solve
 
-BIG = Step("trapezoid", 500, 1e-8)
+BIG = Step("trapezoid", 420, 1e-8)
 
 
 @pytest.mark.parametrize("name", ["cartpole", "brachistochrone", "van_der_pol", "shot_put"])
@@ -22,8 +22,8 @@ def test_the_answer_is_that_of_a_start_from_the_guess(name):
     problem = problem_named(name)
     coarse, direct = solve(problem, [BIG]), solve(problem, [BIG], Settings(coarse_start=False))
     assert coarse.solved and direct.solved
-    assert [record.mesh.segments for record in coarse.meshes] == [COARSE, 500]
-    assert [record.mesh.segments for record in direct.meshes] == [500]
+    assert [record.mesh.segments for record in coarse.meshes] == [COARSE, 420]
+    assert [record.mesh.segments for record in direct.meshes] == [420]
     assert coarse.objective == pytest.approx(direct.objective, rel=1e-7)
     assert coarse.meshes[-1].iterations < direct.meshes[-1].iterations
 
@@ -48,8 +48,8 @@ def test_small_meshes_and_later_ones_and_those_with_a_guess_start_as_they_are():
 def test_a_coarse_mesh_that_fails_leaves_the_guess_to_start_from():
     solution = solve(problem_named("bryson_denham"), [BIG], Settings({"max_iter": 1}))
     assert solution.status is Status.MAX_ITERATIONS
-    assert [record.mesh.segments for record in solution.meshes] == [COARSE, 500]
-    assert solution.trajectories[0].mesh.segments == 500
+    assert [record.mesh.segments for record in solution.meshes] == [COARSE, 420]
+    assert solution.trajectories[0].mesh.segments == 420
 
 
 def test_a_stop_on_the_coarse_mesh_is_a_stop():

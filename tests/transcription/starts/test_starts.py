@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from command_line import trajopt
+from named import share
 from scipy.optimize import brentq
 
 from trajopt.problems.build import build
@@ -57,7 +58,7 @@ def solved(folder, text: str, *arguments) -> dict:
     return json.loads(trajopt("solve", "start.yaml", "--json", *arguments).stdout)
 
 
-@pytest.mark.parametrize("names", [("q", "v", "u"), ("height", "speed", "thrust")])
+@pytest.mark.parametrize("names", share([("q", "v", "u"), ("height", "speed", "thrust")], 2, 1))
 def test_a_final_time_that_is_too_short(names, folder):
     """The shortest time of the double integrator from (1, 2) is 2 + 2 sqrt 3; the linear guess ends infeasible."""
     text = TOO_SHORT
@@ -86,7 +87,7 @@ def test_a_start_where_a_constraint_has_no_slope(folder):
     assert abs(summary["objective"] - area) <= summary["objective_error"] < 1e-5
 
 
-@pytest.mark.parametrize("rate", ["u**3", "u**2*sin(u)", "v*u**3"])
+@pytest.mark.parametrize("rate", share(["u**3", "u**2*sin(u)", "v*u**3"], 2))
 def test_a_stationary_guess(rate, folder):
     """u = 0 is stationary and no optimum: with u = -1 the objective is far smaller."""
     summary = solved(folder, CUBE.replace("RATE", rate))

@@ -4,6 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from named import share
 from scipy.optimize import brentq
 
 from trajopt.problems.build import build
@@ -73,27 +74,29 @@ def solved(problem: str, **options):
     return solve(build(spec), steps(spec.mesh), settings_of(spec), **options)
 
 
-@pytest.mark.parametrize(
-    ("problem", "optimum"),
-    [
-        (braking("q", "v", 1, 2), braking_time(1, 2)),
-        (braking("way", "speed", 0.5, 2.5), braking_time(0.5, 2.5)),
-        (braking("height", "climb", 2, 1.5), braking_time(2, 1.5)),
-        (slide("theta", 2), slide_time(2)),
-        (slide("steepness", 1), slide_time(1)),
-        (slide("phi", 3), slide_time(3)),
-        (particle("u"), 7.811311),
-        (particle("throttle"), 7.811311),
-        (particle("push", -0.5), 7.811311),
-    ],
-)
+OPTIMA = [
+    (braking("q", "v", 1, 2), braking_time(1, 2)),
+    (braking("way", "speed", 0.5, 2.5), braking_time(0.5, 2.5)),
+    (braking("height", "climb", 2, 1.5), braking_time(2, 1.5)),
+    (slide("theta", 2), slide_time(2)),
+    (slide("steepness", 1), slide_time(1)),
+    (slide("phi", 3), slide_time(3)),
+    (particle("u"), 7.811311),
+    (particle("throttle"), 7.811311),
+    (particle("push", -0.5), 7.811311),
+]
+
+
+@pytest.mark.parametrize(("problem", "optimum"), share(OPTIMA, 2))
 def test_the_optimum_is_found_from_a_poor_guess(problem, optimum):
     solution = solved(problem)
     assert solution.status is Status.SOLVED
     assert solution.objective == pytest.approx(optimum, abs=2e-6)
 
 
-@pytest.mark.parametrize(("power", "control", "weight"), [(3, "u", 1.0), (3, "force", 0.5), (5, "torque", 1.0)])
+@pytest.mark.parametrize(
+    ("power", "control", "weight"), share([(3, "u", 1.0), (3, "force", 0.5), (5, "torque", 1.0)], 2)
+)
 def test_a_stationary_guess_is_left_and_one_that_the_user_gives_is_named(power, control, weight):
     problem = flat(power, control, weight)
     better = solved(problem)

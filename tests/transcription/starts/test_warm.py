@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from named import problem_named
+from named import crossed, problem_named
 
 from trajopt.transcription.program.compiler import CompiledNLP
 from trajopt.transcription.settings import Settings, Step
@@ -14,8 +14,7 @@ PROBLEMS = ("cartpole", "van_der_pol", "bryson_denham", "block_move_min_force", 
 METHODS = ("hermite-simpson", "trapezoid", "hermite-simpson-compressed")
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize(("name", "method"), crossed(PROBLEMS, METHODS))
 def test_warm_start_takes_fewer_iterations_than_cold(name, method):
     problem, coarse, fine = problem_named(name), Step(method, 20, 1e-8), Step(method, 40, 1e-8)
     warm = solve(problem, [coarse, fine])

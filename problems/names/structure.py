@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from ..expressions.expression import Expression
+from ..expressions.functions import is_inconsistent
+from ..expressions.tree import Lookup, Node, Operation, below, leaves, nodes
 from ..quantities import Function
-from .expression import Expression
-from .functions import is_inconsistent
-from .tree import Lookup, Node, Operation, below, leaves, nodes
 
 
 class Form(NamedTuple):

@@ -1,0 +1,31 @@
+"""What is worked out once, of the solution that is given back: what its bounds cost, its arcs, what was estimated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from ..solution.sensitivity import sensitivities
+from ..solution.solution import Solution
+from ..starts.warm import Solved
+from ..structure.convexity import kind_of_program
+from ..structure.courses import courses
+from ..structure.estimates import estimates
+from ..structure.prices import prices
+from ..transcribe import numbers_of
+
+
+def completed(solution: Solution, solved: Solved) -> Solution:
+    """The solution with all that its program tells; sensitivities are worked out when they are asked for."""
+    own = (solved.transcription, solved.nlp, solved.outcome)
+    solution = replace(solution, sensitive=partial(sensitivities, *own, numbers_of))
+    if not solution.status.usable:
+        return solution
+    continuous = not all(phase.exact for phase in solution.problem.phases)
+    return replace(
+        solution,
+        prices=prices(*own),
+        program=kind_of_program(solved.nlp, solved.outcome.z, continuous),
+        arcs=courses(*own, solution.trajectories),
+        estimates=estimates(*own) if solution.solved else None,
+    )
