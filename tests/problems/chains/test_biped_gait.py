@@ -34,13 +34,11 @@ REFERENCES = [  # walker, method, segments, objective as printed: half a unit of
 ]
 
 
-MIDDLE = [row for row in REFERENCES if row[2] in (15, 100)]
-"""Meshes between others; run where TRAJOPT_SLOW is set."""
+FEW = [row for row in REFERENCES if row[2] in (5, 25)]
+"""The others are run where TRAJOPT_SLOW is set, and by `trajopt reproduce` in results/test_reproduce."""
 
 
-@pytest.mark.parametrize(
-    ("walker", "method", "segments", "printed"), [row for row in REFERENCES if ALL or row not in MIDDLE]
-)
+@pytest.mark.parametrize(("walker", "method", "segments", "printed"), REFERENCES if ALL else FEW)
 def test_reference_value(walker, method, segments, printed):
     """Computed independently of trajopt with CasADi and IPOPT, tol 1e-8."""
     solution = solved(walker, method, segments)
