@@ -39,7 +39,7 @@ def _guessed(own: Delayed, phase: Phase, by_name: dict[str, Phase], t: np.ndarra
     """The guess of a state at times t (M,), in a phase or before it."""
     guess, before = phase.guess, by_name.get(phase.before)
     times = guess.initial_time + guess.s * (guess.final_time - guess.initial_time)
-    values = np.interp(t, times, guess.values[own.state])
+    values: np.ndarray = np.interp(t, times, guess.values[own.state])
     past = t < guess.initial_time
     if past.any():
         goes_on = before is not None and any(state.name == own.state for state in before.states)

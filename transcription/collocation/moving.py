@@ -86,7 +86,8 @@ def add_moving(builder: PhaseBuilder) -> None:
     mesh, start = builder.mesh, builder.block.t0.value
     times = start + mesh.fractions * (builder.block.tF.value - start)
     for number, own in enumerate(builder.phase.delayed):
-        points, source, place = mesh.collocated, builder, 0
+        points, place = mesh.collocated, 0
+        source: PhaseBuilder | None = builder
         while source and any(state.name == own.state for state in source.phase.states):
             reads, points = _places(source, points, times[points] - own.lag, shares_of(mesh)[1, points])
             _read(builder, f"delay{number}_{place}", own, reads)
