@@ -27,8 +27,10 @@ def exit_code(error: TrajoptError) -> int:
 def report(error: TrajoptError) -> None:
     """One sentence for each mistake, on standard error."""
     for mistake in error.mistakes:
-        short = SHORT_FORMS.get(mistake.where.removeprefix("--set "), mistake.where)
-        print(f"error: {one_line(str(replace(mistake, where=short)))}", file=sys.stderr)
+        path = mistake.where.removeprefix("--set ")
+        short = SHORT_FORMS.get(path, mistake.where)
+        remedy = mistake.remedy.replace(f"--set {path}=", f"{short} ") if path in SHORT_FORMS else mistake.remedy
+        print(f"error: {one_line(str(replace(mistake, where=short, remedy=remedy)))}", file=sys.stderr)
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:

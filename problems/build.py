@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 
+from .conserved.implied import without_implied
+from .conserved.invariant import without_invariants
 from .expressions.expression import Expression
 from .expressions.tree import Chain, Link
 from .guess import finished, initial_guess
@@ -22,8 +24,6 @@ from .names.variables import Declared, DeclaredState
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import shared_names, through_phases
-from .phases.implied import without_implied
-from .phases.invariant import without_invariants
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
 from .phases.order import before_in_time, own_entries, with_left_out

@@ -28,6 +28,9 @@ class Function(Protocol):
     def __call__(self, values: Mapping[str, Numeric], functions: Any, /) -> Numeric: ...
 
 
+LARGEST_NUMBER = 1e300
+"""What a value that results are compared with is below, so that differences are finite."""
+
 TOLERATED_EXCESS = 1e-4
 """Of a curve over a bound, as of `Range.excess`: refinement and figures let less than this pass."""
 

@@ -31,7 +31,7 @@ NO_PART = {
 """Keys of a problem file that do not change what the problem is."""
 STENCIL = 6  # dense points
 WHOLE = 2001  # times at which trajectories are compared that are cut into other phases
-NO_PART_BELOW = {"name", "note", "guess"}  # of a constraint, a variable, a time
+NO_PART_BELOW = {"name", "note", "guess", "unit"}  # of a constraint, a variable, a time
 
 
 def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
@@ -54,6 +54,7 @@ def compare(paths: Sequence[Path]) -> list[dict[str, Any]]:
         state, distance = _distance(path, first.phases, result.phases)
         rows.append({
             "file": str(path),
+            "problem": summary["problem"],
             "solved": summary["solved"],
             "method": mesh["method"],
             "segments": mesh["segments"],

@@ -24,6 +24,8 @@ from .layout import Transcription
 from .program.contract import NonlinearProgram, NotFinite
 
 SIZES = (1e-4, 1e4)
+TIME = "t"
+"""The name of the size of free times; no variable is called so."""
 LARGE_GRADIENT = 100.0  # IPOPT's own nlp_scaling_max_gradient
 
 
@@ -47,7 +49,8 @@ def scale(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, gi
     transcription: what stands where.
     nlp: its compiled program, asked for its gradient and Jacobian once.
     z: initial values of the unknowns, shape (n,).
-    given: sizes from the problem file, by name, in the unit of each variable; they go before the automatic ones.
+    given: sizes by name, in the unit of each variable, from the problem file or as IPOPT needs them; they go before the
+        automatic ones. That of free times is 1 unless it is given.
     """
     sizes = dict(_sizes(transcription, z, given))
     factors = np.ones(nlp.n)
@@ -55,6 +58,7 @@ def scale(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, gi
         for variables, rows in ((layout.phase.states, layout.x), (layout.phase.inputs, layout.u)):
             for variable, places in zip(variables, rows, strict=True):
                 factors[places[places >= 0]] = 1 / sizes[_told(transcription, layout.phase.name, variable.name)]
+        factors[layout.t[layout.t >= 0]] = 1 / given.get(TIME, 1.0)
     for parameter, place in zip(transcription.problem.parameters, transcription.parameters, strict=True):
         factors[place] = 1 / sizes[parameter.name]
     return Scaling(_objective(nlp, z, factors), factors, _rows(transcription, nlp, z, factors, sizes), sizes)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.phases.invariant import kept
+from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
@@ -17,7 +17,7 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Origin, in_place, solve_mesh, tightened
 from .pontryagin.needles import Lower, lower_hamiltonian
-from .refinement.basin import left_basin, stalled, unmeasurable
+from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
@@ -250,13 +250,22 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
-        if more and (why := stalled(self.history[self.scheduled - 1 :], refine.tolerance)):
+        barrier = goal.beyond_engine if goal else ""
+        if more and (why := barrier or self._in_vain(refine)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
             self.stopped = f"the next mesh cannot be solved: {too_large[0].what}"
             return
         self.steps += more
+
+    def _in_vain(self, refine: Refine) -> str:
+        """Why no finer mesh would help, or ""."""
+        meshes = self.history[self.scheduled - 1 :]
+        asked, errors = refine.tolerance, [mesh.relative_error for mesh in meshes]
+        if refine.objective:
+            asked, errors = refine.objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
+        return stalled(meshes, refine.tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
 
     def _told(self) -> Solution:
         assert self.last is not None

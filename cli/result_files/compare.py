@@ -22,7 +22,8 @@ MAX_TOLD = 4  # differences between two problems
 def compare(results: Results, *, json_: Json = False) -> None:
     """Compare results with the first one, on any mesh or method.
 
-    Results of different problems are compared in what they have in common, with a note that says how they differ.
+    Results of different problems are compared in what they have in common, with a note that says how they differ. A
+    table of one problem has columns for what differs, one of problems of different names has these.
 
     Example: trajopt compare fine.h5 coarse.h5 trapezoid.h5
     """
@@ -38,17 +39,20 @@ def compare(results: Results, *, json_: Json = False) -> None:
         for row in rows:
             print_json(row)
         return
-    shown = differing[:MAX_TOLD]
+    other_names = len({row["problem"] for row in rows}) > 1  # of such, single values tell nothing
+    shown = [] if other_names else differing[:MAX_TOLD]
     cells = [
         [
             row["file"],
+            *([row["problem"]] if other_names else []),
             *(_value(row["values"][path]) for path in shown),
             *(row[name] if form is str else cell(row[name], form) for name, form in COLUMNS.items()),
         ]
         for row in rows
     ]
     right = [*shown, *(name.replace("_", " ") for name, form in COLUMNS.items() if form is not str)]
-    print_table(["file", *shown, *(name.replace("_", " ") for name in COLUMNS)], cells, right=right)
+    head = ["file", *(["problem"] if other_names else []), *shown]
+    print_table([*head, *(name.replace("_", " ") for name in COLUMNS)], cells, right=right)
 
 
 def _sorted(rows: Sequence[dict[str, Any]], differing: Sequence[str]) -> list[dict[str, Any]]:

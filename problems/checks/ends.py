@@ -10,6 +10,7 @@ from math import isfinite
 
 import numpy as np
 
+from ..conserved.conserved import conserved
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
 from ..quantities import Range
@@ -35,6 +36,23 @@ def impossible_at_ends(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
                 what = f"this cannot hold at the {end} time: it is {value:.6g} there, and {_asked(bounds)} is asked"
                 names = ", ".join(f"{name}[{end}]" for name in sorted(function.names))
                 yield Finding((*path, "expression"), what, f"change the constraint, or what is given for {names}")
+
+
+def contradictory_ends(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
+    """Final values that no control leads to, as the dynamics keep what differs at both ends; spec: without mistakes."""
+    if spec.discrete or spec.algebraic or spec.residuals or symbols.delayed or spec.nonsmooth:
+        return
+    both = [dict(_given(spec, symbols, end)) for end in ("initial", "final")]
+    states = [own for own in symbols.states if not own.implicit and all(own.name in given for given in both)]
+    first, last = ([given[own.name] for own in states] for given in both)
+    rates = [symbols.function(own.rate) for own in states]
+    found = conserved([own.name for own in states], rates, first, last)
+    if found and (wrong := found.contradicted):
+        values = f"{wrong.initial:.7g} at the initial and {wrong.final:.7g} at the final time"
+        what = f"the final values cannot be reached: the dynamics keep {wrong.function}, which is {values}"
+        remedy = "leave out one of the final values in it, or give values that agree to 6 digits"
+        last_one = next(own for own in states if own.name == wrong.state)
+        yield Finding((*last_one.path, "final"), what, remedy)
 
 
 def _given(spec: Spec, symbols: Symbols, end: str) -> Iterator[tuple[str, float]]:

@@ -23,7 +23,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from . import structure
 from .complementarity import complementarity_mistakes
-from .ends import delay_mistakes, idle_histories, impossible_at_ends
+from .ends import contradictory_ends, delay_mistakes, idle_histories, impossible_at_ends
 from .guesses import guess_mistakes, guess_warnings, unordered, values_of
 from .measurements import measurement_mistakes, measurement_warnings
 from .names import declared_names, title_troubles
@@ -73,6 +73,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
             checker.objective()
         checker.constant_constraints()
         checker.errors += impossible_at_ends(spec, checker.symbols)
+        checker.errors += contradictory_ends(spec, checker.symbols)
         checker.errors += beyond_tables(spec, checker.symbols)
         checker.errors += too_large(checker.symbols)
         checker.warnings += unused(spec, checker.symbols, called)

@@ -164,6 +164,8 @@ class _Audit(Walk):
             self.refuse(node, np.abs(second) > MAX_EXPONENT, f"has an exponent larger than {MAX_EXPONENT}")
         if second is not None and symbol in FUNCTIONS and FUNCTIONS[symbol].width is not None:
             self.refuse(node, second <= 0, "has a width that is not positive")
+        if symbol == "*" and any(operand is not None and not np.any(operand) for operand in operands):
+            return np.float64(0.0)  # whatever the other one is
         if any(operand is None for operand in operands):
             return None
         result = super().apply(symbol, node, list(np.broadcast_arrays(*operands)))

@@ -7,6 +7,7 @@ parenthesis) gets a message of its own, which Python's "invalid syntax" could no
 from __future__ import annotations
 
 import keyword
+import re
 from collections.abc import Collection
 from itertools import pairwise
 
@@ -124,6 +125,9 @@ def _check_token(text: str, token: Token, after: Token) -> None:
     if token.text in LACKING and after.text == "(":
         fail(text, token, closing(text, after), *LACKING[token.text])
     if token.category == "other":
+        if token.text == "°" and (angle := re.search(r"([\w.]+)\s*$", text[: token.start])):
+            first = Token("number", angle[1], angle.start(), angle.end())
+            fail(text, first, token, "angles are in radians", f"write {angle[1]}*pi/180")
         fail(text, token, token, *_other(token.text))
     if token.text == "//":
         fail(text, token, token, "// is not an operator", "write / for a division")
@@ -257,6 +261,8 @@ def _check_adjacent(text: str, before: Token, token: Token, after: Token) -> Non
         check_number(text, before, token)
     if token.text in DEGREES:
         fail(text, before, token, "angles are in radians", f"write {head_of(before)}*pi/180")
+    if (before.category, token.category) == ("number", "number") and re.fullmatch(r"\d{3}", token.text):
+        fail(text, before, token, "there is no space in a number", f"write {before.text}{token.text}")
     tail = "(...)" if token.text == "(" else token.text
     if token.category in ("name", "called") and after.text == "(":
         tail = f"{token.text}(...)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -78,7 +79,12 @@ class Troubles:
         if "." in name:
             remedy = "write a plain name; ends of phases, as boost.m[final], are for links: and the terminal objective"
             return f"{what}: expressions know no modules and no attributes", remedy
-        return what, self._like(name, context) or _declared(name, context, self.found)
+        declared = _declared(name, context, self.found)
+        like = self._like(name, context)
+        numbered = re.fullmatch(r"did you mean (\w+?)\d*\?", like)  # u1 and u2 beside u: it may be one more
+        if numbered and numbered[1] == name.rstrip("0123456789"):
+            return what, f"{like} If not, {declared}"
+        return what, like or declared
 
     def _like(self, name: str, context: str) -> str:
         """The question after the known name that is most like this one; "" where there is none."""

@@ -24,6 +24,7 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.tokens import ExpressionError
+from ..quantities import LARGEST_NUMBER
 from ..text import unprintable
 from ..yaml.document import in_words, scalar
 
@@ -56,6 +57,8 @@ def number(value: Any) -> float:
         raise mistake(f"this must be a number, not {in_words(value)}", "write a number such as 0.5 or 1.0e-8")
     if not math.isfinite(value):
         raise mistake(f"this must be a finite number, not {value}", "write a finite number, or leave the key out")
+    if abs(value) >= LARGEST_NUMBER:
+        raise mistake(f"{value:g} is too large a number", f"write one below {LARGEST_NUMBER:g}, or leave the key out")
     return float(value)
 
 

@@ -54,8 +54,8 @@ def _output(value: Any, _: Path) -> str:
     name, output = next(iter(named.items()), ("power", "u*v"))
     if isinstance(output, dict):
         output = output.get("value", output.get("expression", "u*v"))
-    told = entry("value", output)
-    return f"expressions: {{{name}: {{{told}, unit: W}}}}, which is stored and drawn, for it has a unit"
+    line = f"expressions: {{{name}: {{{entry('value', output)}}}}}"
+    return f"{line}, which is stored; with its unit beside it, as unit: W, it is drawn, too"
 
 
 def _dynamics(value: Any, path: Path) -> str:

@@ -13,11 +13,12 @@ _WORDS = {
     "write t[initial] for the initial time": "t0 t_0 ti t_i t_initial t_start initial_time",
     "write t for the time": "time",
     "write t[duration], which is t[final] - t[initial]": "duration",
-    "write radians: multiply by pi/180": "deg degs degree degrees",
+    "angles are in radians: write pi/180 in its place": "deg degs degree degrees",
     "write exp(...) for a power of e": "e",
 }
 _REMEDIES = {word: remedy for remedy, words in _WORDS.items() for word in words.split()}
 _NOTHING = "no none None null Null false False off nil nan NaN NA free Free open any unspecified"
+_GIVEN = "yes Yes YES on On ON true True TRUE fixed Fixed given"
 _AT_END = (
     (re.compile(r"(\w+?)_?(?:f|F|final|end|T|tf)"), "final"),
     (re.compile(r"(\w+?)_?(?:0|i|initial|start|t0)"), "initial"),
@@ -37,6 +38,9 @@ def name_wish(name: str, path: Path, varying: Collection[str], states: Collectio
     """
     if name in _NOTHING.split() and path[0] not in ("parameters", "expressions"):
         return no_value(path)
+    key = path[-2] if path[-1] == "value" else path[-1]
+    if name in _GIVEN.split() and path[0] not in ("parameters", "expressions") and key in ("initial", "final"):
+        return f"write its value, such as {key}: 1"
     if name in ENDLESS:
         ended = path[-1] in ("lower", "upper", "initial", "final", "value")
         return no_value(path) if ended and path[0] != "parameters" else "write a large number, such as 1e6"

@@ -7,7 +7,8 @@ from collections.abc import Collection
 from math import isinf
 from typing import Any
 
-from ..yaml.document import Path, in_words
+from ..yaml.document import Path, in_words, scalar
+from ..yaml.punctuation import comma_in_number, range_of
 from .keys import terms
 from .lines import NUMBER, condition, entry, flow, plain
 
@@ -18,6 +19,9 @@ _QUANTITY = re.compile(rf"({NUMBER})\s*((?:[A-Za-zµμ°Ω%][\w µμ°Ω*/^.·²
 _DEGREES = re.compile(r"°|deg|degs|degree|degrees")
 _RESULT, _CSV = re.compile(r"\S+\.(h5|hdf5|nc)"), re.compile(r"\S+\.csv")
 _ASSIGNED = re.compile(r"[\w./()']+\s*=\s*([^=].*)")
+
+LONGEST = 300
+"""Characters of a slip: what is longer is none, and would take its time to look through."""
 
 _SIDES = ("lower", "upper")
 ENDLESS = ["inf", "Inf", "INF", "infinity", "Infinity", "oo"]
@@ -54,13 +58,21 @@ def value_wish(path: Path, given: Any) -> Words | None:
     path: of the value; it may go on into a long form that the file does not have.
     given: the value.
     """
+    if isinstance(given, str) and len(given) > LONGEST:
+        return None
     if path[-1:] in (("value",), ("expression",)) and not (isinstance(given, str) and _ASSIGNED.fullmatch(given)):
         path = path[:-1]
     if not path:
         return None
     if len(path) > 2 and path[0] == "phases":
         path = path[2:]
-    found = _end(path, given) or _section(path, given) or _entry(path, given) or _constraint(path, given)
+    found = (
+        _end(path, given)
+        or _not_a_value(path, given)
+        or _section(path, given)
+        or _entry(path, given)
+        or _constraint(path, given)
+    )
     return found or (_text(path, given) if isinstance(given, str) else None)
 
 
@@ -71,10 +83,18 @@ def _end(path: Path, given: Any) -> Words | None:
         limits = [entry(side, end) for side, end in zip(("lower", "upper"), given, strict=True) if not _endless(end)]
         range_ = f"write {key}: {{{', '.join(limits)}}}"
         return "a range is no list", range_ if limits else no_value(path)
+    if key in ("initial", "final") and isinstance(given, str) and (ends := range_of(given)):
+        return _end(path, list(map(scalar, ends)))
     if key in ("initial", "final") and isinstance(given, str) and (limit := condition(f"x {given}")):
         return "an end has a range", f"write {key}: {flow({side: limit[side] for side in limit if side in _SIDES})}"
-    if given is False and path[0] in ("states", "controls", "algebraic", "optimize", "time"):
-        return f"{key} is {in_words(given)}", no_value(path)
+    return None
+
+
+def _not_a_value(path: Path, given: Any) -> Words | None:
+    """What is said of yes, no and infinity."""
+    key = str(path[-1])
+    if isinstance(given, bool) and path[0] in ("states", "controls", "algebraic", "optimize", "time"):
+        return f"{key} is {in_words(given)}", f"write its value, such as {key}: 1" if given else no_value(path)
     if isinstance(given, float) and isinf(given) and key in ("lower", "upper"):
         return "this is infinite, or a number above 1e308", no_value(path)
     return None
@@ -131,6 +151,8 @@ def _entry(path: Path, given: Any) -> Words | None:
     match path:
         case ("states", name) if isinstance(given, str) and (state := _of_rate(str(name))):
             return f"the rate of {state} stands beside it", f"write {state}: {{{entry('rate', given)}}}"
+        case ("states", name) if isinstance(given, str) and re.fullmatch(r"[A-Za-z]\w*", str(name)):
+            return "a state has its rate, its ends and its bounds", f"write {name}: {{{entry('rate', given)}}}"
         case ("tables", name) if isinstance(given, list) and _pairs(given):
             points, values = zip(*given, strict=True)
             line = f"{name}: {{points: {{x: {flow(list(points))}}}, {entry('values', list(values))}}}"
@@ -183,12 +205,22 @@ def _text(path: Path, given: str) -> Words | None:
         return f"the {key} is what stands to the right of =", f"write {entry(key, plain(assigned[1]))}"
     if key in ("rate", "accel", "expression", "integral", "terminal"):
         return None
-    if re.fullmatch(r"\d{1,3}(,\d+)", text):
-        return "a number has a point, not a comma", f"write {key}: {text.replace(',', '.')}"
+    quantity = _QUANTITY.fullmatch(text)
+    with_unit = _with_unit(path, quantity[1], quantity[2].strip(), " " in text) if quantity else None
+    return _digits(key, text) or with_unit
+
+
+def _digits(key: str, text: str) -> Words | None:
+    """A number as other languages and other people write it."""
+    if comma := re.fullmatch(r"([-+]?\d{1,3}),(\d+)", text):
+        return comma_in_number(key, comma[1], comma[2])
+    if exponent := re.fullmatch(r"([-+]?[\d.]+)[dD]([-+]?\d+)", text):
+        return "the exponent of a number is written with e", f"write {key}: {exponent[1]}e{exponent[2]}"
+    if re.fullmatch(r"[-+]?\d[\d_.]*_[\d_.]+(e[-+]?\d+)?", text):
+        return "there is no _ in a number", f"write {key}: {text.replace('_', '')}"
     if re.fullmatch(r"[-+]?\d{1,3}('\d{3})+(\.\d*)?", text):
         return "there are no marks in a number", f"write {key}: {text.replace(chr(39), '')}"
-    quantity = _QUANTITY.fullmatch(text)
-    return _with_unit(path, quantity[1], quantity[2].strip(), " " in text) if quantity else None
+    return None
 
 
 def _with_unit(path: Path, value: str, unit: str, apart: bool) -> Words | None:

@@ -24,6 +24,7 @@ MAX_BYTES = 1_000_000
 MAX_LEVELS = 20
 MAX_NODES = 300_000
 MAX_ALIASES = 100
+TAKEN = ""  # stands in a path for a key that an override has taken away
 MAX_TORN = 50  # pieces of one value in braces
 
 Path = tuple[str | int, ...]
@@ -105,7 +106,9 @@ def _compose(text: str, file: str) -> tuple[Any, _Composer]:
     try:
         data = composer.document()
     except yaml.YAMLError as error:
-        raise SpecError([*composer.mistakes, _explain(error, text, file, composer.line)]) from error
+        last = _explain(error, text, file, composer.line)
+        told = {own.where for own in composer.mistakes}  # as of a character that makes a line unreadable, too
+        raise SpecError([*composer.mistakes, *([] if last.where in told else [last])]) from error
     if composer.mistakes:
         raise SpecError(composer.mistakes)
     return data, composer

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
+from shlex import quote
 from typing import Any, NamedTuple
 
 from ..errors import Mistake
 from ..lean.records import dataclass
-from .document import Path, dotted
+from .document import TAKEN, Path, dotted
 
 MAX_FINDINGS = 100
 SEVERAL = 3
@@ -57,7 +58,7 @@ class Locations:
         ordered = self._of_loops(
             sorted(dict.fromkeys(self.of_templates(written)), key=lambda finding: self._line(finding.path))
         )
-        located = [Mistake(self._where(f.path, f.what), f.what, f.remedy) for f in ordered[:MAX_FINDINGS]]
+        located = [Mistake(self._where(f.path, f.what), f.what, self._remedy(f)) for f in ordered[:MAX_FINDINGS]]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
         return tuple(located)
@@ -113,8 +114,11 @@ class Locations:
             for part in parts:
                 if part in given:
                     return given[part]
-                if part == path and given is self.overrides and (*part, "value") in given:
-                    return given[*part, "value"]  # the value of a long form, of which the path is told without value:
+                if part == path and given is self.overrides:
+                    # the value of a long form, of which the path is told without value:, or a key that is lacking
+                    inner = ((*part, key) for key in ("value", TAKEN) if (*part, key) in given)
+                    if (own := next(inner, None)) is not None:
+                        return given[own]
         return 1
 
     def _line(self, path: Path) -> tuple[float, int]:
@@ -134,6 +138,16 @@ class Locations:
         of_key = what.startswith("unknown key")
         line = _line_in(self.blocks[path], what, origin) if path in self.blocks and not of_key else origin
         return f"{self.file}:{line}: {dotted(path)}" if path else f"{self.file}:{line}"
+
+    def _remedy(self, finding: Finding) -> str:
+        """What to do; a line to write is an override where the value was given by one."""
+        origin = self._origin(finding.path)
+        if isinstance(origin, int):
+            return finding.remedy
+        before, line, value = finding.remedy.partition(f"write {origin.rpartition('.')[2]}: ")
+        if before or not line:
+            return finding.remedy
+        return f"write --set {quote(f'{origin}={value}') if value.startswith('{') else f'{origin}={value}'}"
 
 
 def _of(origins: Mapping[Path, Path], path: Path) -> Path:

@@ -11,13 +11,34 @@ import yaml
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean, printable, unprintable
-from .document import MAX_LEVELS, Document, Path, dotted, in_words, value_of
+from .document import MAX_LEVELS, TAKEN, Document, Path, dotted, in_words, value_of
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset(
     {"phases", "parameters", "expressions", "states", "controls", "algebraic", "integrals", "optimize", "tables"}
 )
 _SECTIONS = frozenset(["time", "objective", "constraints", "guess", "refine", "mesh", "solver", "reference"])
+_PLACES = {
+    word: path
+    for path, words in {
+        "mesh.0.segments": "segments intervals nodes n_segments",
+        "mesh.*.method": "method scheme transcription",
+        "refine.tolerance": "tolerance mesh_tolerance",
+        "refine.max_meshes": "max_meshes",
+        "solver.tol": "tol",
+        "solver.max_iter": "max_iter maxiter max_iterations iterations",
+        "solver.seconds": "seconds time_limit timeout",
+        "solver.starts": "starts",
+        "solver.seed": "seed",
+        "solver.engine": "engine",
+        "solver.print_level": "print_level",
+        "time.final": "tf t_f t_final final final_time duration T",
+        "time.initial": "t0 t_0 initial initial_time",
+    }.items()
+    for word in words.split()
+}
+"""Word that stands alone in an override -> the path that is meant."""
+EXAMPLE = "write --set PATH=VALUE, as --set parameters.u_max=15"
 _DECIMAL = re.compile(r"-?\d+(,\d+)?")
 _KEYS = {
     "states": "rate, initial, final or lower",
@@ -34,6 +55,8 @@ _OF_MODEL = frozenset({"states", "controls", "algebraic"})  # a file with model:
 def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, Any], dict[Path, str]]:
     """The data with every override applied (in place), and the path of each -> PATH as the user wrote it.
 
+    One that takes a key away has another path beside its own: that of what lacks it, with TAKEN at its end.
+
     A path is keys and list indices with dots between them: mesh.0.segments, also mesh[0].segments, mesh.-1.tolerance
     and mesh.*.method for all. The value is YAML; an empty one takes the key away. Raises SpecError for a path that
     leads nowhere.
@@ -44,7 +67,12 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
         shown, equals, value = text.partition("=")
         try:
             if not equals or not shown.strip():
-                raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", "write parameters.u_max=15"))
+                before, colon, own = text.partition(":")
+                remedy = f"write --set {before}={own.strip()}" if colon and own.strip() else EXAMPLE
+                raise SpecError(Mistake(f"--set {text}", "this is not PATH=VALUE", remedy))
+            if value.startswith("="):
+                remedy = f"write --set {shown.strip()}={value.lstrip('= ')}"
+                raise SpecError(Mistake(f"--set {shown.strip()}", "there is one = in PATH=VALUE", remedy))
             if any(unprintable(c) and not c.isspace() for c in text):
                 what = "it holds what is no text: a control character, or a byte that is not UTF-8"
                 raise SpecError(Mistake(f"--set {printable(shown)}", what, "type it again"))
@@ -56,7 +84,8 @@ def override(document: Document, overrides: Sequence[str]) -> tuple[dict[str, An
                 place = _assign(document.data, path, new, where)
                 # what is on the way and not in the file is new as well
                 new_ones = (path[:n] for n in range(1, len(path)) if path[:n] not in document.lines)
-                given |= dict.fromkeys([*new_ones, place], shown.strip())
+                taken = [(*place[:-1], TAKEN)] if new is None else []
+                given |= dict.fromkeys([*new_ones, place, *taken], shown.strip())
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:
@@ -130,6 +159,10 @@ def _check_section(data: dict[str, Any], shown: str, value: str, where: str) -> 
     first, _, rest = shown.partition(".")
     section = _section_of(data, first)
     if section is None:
+        if place := _PLACES.get(shown) if first not in data else None:
+            raise SpecError(
+                Mistake(where, f"{shown} has its place in the file", f"write --set {place}={value.strip()}")
+            )
         return
     number = bool(_DECIMAL.fullmatch(value.strip())) and section == "parameters" and not rest
     meant = value.strip().replace(",", ".") if number else value.strip()

@@ -13,6 +13,7 @@ from ..text import named, shorten
 
 _OPEN, _CLOSED = "([", ")]"
 _DIGITS = re.compile(r"\d+")
+_RANGE = re.compile(r"[(\[]([^,()\[\]]+),([^,()\[\]]+)[)\]]")
 _UNQUOTED = re.compile(r"(\w+):\s+([^\s\"'\[{#](?:(?!,\s*\w+:\s)[^\"'#])*?\[[^\]]*\][^,}\"']*)")
 _POWER = re.compile(r"(\w+):\s+([^\s\"'\[{#][^\"'#]*?)\^\{([^}]*)\}")
 _ASSIGNED = re.compile(r"\s*([A-Za-z]\w*)('?)\s*=\s*([^=\s].*?)\s*")
@@ -47,9 +48,28 @@ def torn(key: str, value: Any, rest: Sequence[tuple[str, bool]]) -> tuple[Slip, 
     if not parts:
         return None
     if isinstance(value, int) and not isinstance(value, bool) and _DIGITS.fullmatch(parts[0]):
-        meant = f"{value}.{parts[0]}"
-        return Slip("a number has a point, not a comma", f"write {key}: {meant}", float(meant)), 1
+        return Slip(*comma_in_number(key, str(value), parts[0]), float(f"{value}.{parts[0]}")), 1
     return _joined(key, value, parts) if isinstance(value, str) else None
+
+
+def comma_in_number(key: str, whole: str, digits: str) -> tuple[str, str]:
+    """What is said of 1,5, whose comma is a point, and of 1,000, whose comma may be one between thousands.
+
+    key: of the number.
+    whole, digits: what stands before the comma, and after it.
+    """
+    if len(digits) != 3 or whole.lstrip("+-") == "0":
+        return "a number has a point, not a comma", f"write {key}: {whole}.{digits}"
+    return "there is no comma in a number", f"write {key}: {whole}{digits}, or {whole}.{digits} if it is a point"
+
+
+def range_of(text: str) -> tuple[str, str] | None:
+    """The two ends of a range in parentheses or brackets: (0, 1).
+
+    text: that may be one.
+    """
+    found = _RANGE.fullmatch(text.strip())
+    return (found[1].strip(), found[2].strip()) if found else None
 
 
 def no_key(before: str, text: str, line: int) -> tuple[str, str]:
@@ -77,6 +97,8 @@ def _joined(key: str, value: str, parts: Sequence[str]) -> tuple[Slip, int] | No
             break
         text = f"{text}, {part}"
         if _depth(text) == 0:
+            if key in ("initial", "final") and (ends := range_of(text)):
+                return Slip("a range is no list", f"write {key}: {{lower: {ends[0]}, upper: {ends[1]}}}", None), used
             what = f'a comma ends a value in braces, so this one ends after "{shorten(value, 40)}"'
             return Slip(what, f'put it in quotes: {key}: "{shorten(text, 120)}"', text), used
     return None

@@ -21,11 +21,11 @@ LONGEST = 120
 """Characters of an expression in a message."""
 
 _NAME = re.compile(r"(?<!\w)[A-Za-z_]\w*")
-_LISTED = re.compile(r"[A-Za-z_]\w*(?:, [A-Za-z_]\w*)+")
+_LISTED = re.compile(r"(?<!\w)[A-Za-z_]\w*(?:, [A-Za-z_]\w*)+")
 _QUOTED = re.compile(r'(\bin )?"([^"]*)"')
 _MEANT = re.compile(r"(?<=did you mean )[A-Za-z_]\w*")
 _UNKNOWN = re.compile(r'unknown name "([^"]*)"')
-_OF_ONE = re.compile(r"[A-Za-z_]\w*\d\b")
+_OF_ONE = re.compile(r"(?<!\w)[A-Za-z_]\w*\d\b")
 """A name that may be meant as that of a component."""
 
 Index = tuple[int, ...]

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
+from ...problems.quantities import LARGEST_NUMBER
 from ..declared.layout import MESH
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
 from .door import DAMAGED, open_result, stored_problem
@@ -20,8 +21,6 @@ OLDER = "an older version of trajopt wrote this result, which is to be solved ag
 
 NAMED = 6
 """Of all that cannot hold at once, in a sentence."""
-
-LARGEST_NUMBER = 1e300  # of a reference
 
 STATIC, DISCRETE, CONTINUOUS = "static", "discrete", "continuous"
 """What time is in a phase; discrete time is called like its method."""

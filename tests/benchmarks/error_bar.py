@@ -4,7 +4,7 @@
 
 Every problem of `known_optima` is solved by every method that has costates on three meshes. A case is covered if
 |J - J*| <= bar; its ratio is bar / |J - J*|, where errors below 1e-11 (1 + |J|), which are rounding, count as that.
-Only points that the engine calls optimal count. --all prints every case.
+Only points that the engine calls optimal count. --all prints every case when it is solved.
 """
 
 from __future__ import annotations
@@ -139,8 +139,8 @@ def main() -> None:
     cases, left_out = [], []
     for result in runs():
         (cases if isinstance(result, Case) else left_out).append(result)
-    if arguments.all:
-        print(*cases, sep="\n")
+        if arguments.all:
+            print(result, flush=True)
     table(cases, "problem")
     table(cases, "method")
     print(f"\nleft out: {', '.join(left_out) or 'none'}\nmissed:")

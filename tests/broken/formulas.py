@@ -157,6 +157,8 @@ EXPRESSIONS = [
     rate_of_v("a trailing operator", "u +", "write what stands after it"),
     rate_of_v("a superscript", "u²", "write **2"),
     rate_of_v("a division by zero", "u/(m - 2)", '"u/(m - 2)" divides by zero with m = 2'),
+    rate_of_v("zero times anything in a divisor", "u/((m - 2)*v)", '"u/((m - 2)*v)" divides by zero with m = 2'),
+    rate_of_v("a divisor of zeros", "u/(v*(m - 2) + (m - 2)*x)", "divides by zero with m = 2"),
     rate_of_v("a logarithm of zero", "u + log(m - 2)", "is the logarithm of zero with m = 2"),
     rate_of_v("a root of a negative number", "u*sqrt(-m)", '"sqrt(-m)" is not a real number with m = 2'),
     edit("a parameter without a value", "T: 2*d", "T: 2/(d - 1)", "parameters.T", "divides by zero with d = 1"),

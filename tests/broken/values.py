@@ -32,6 +32,13 @@ KEYS = [
         "the version of the file format is missing; write trajopt: 1 at the top",
     ),
     edit("another version", "trajopt: 1", "trajopt: 2", "trajopt", "write trajopt: 1"),
+    edit(
+        "a reference beyond all numbers",
+        "reference: {objective: 6.0,",
+        "reference: {objective: 1.0e+300,",
+        "reference.objective",
+        "1e+300 is too large a number; write one below 1e+300",
+    ),
     edit("a misspelt section", "controls:", "contols:", "contols", "did you mean controls?"),
     edit("a section of the future", "solver: {max_iter: 100}", "fleet: []", "fleet", "the keys here are trajopt, name"),
     *(

@@ -105,6 +105,23 @@ def test_compare_is_one_table_in_the_order_of_what_differs(folder):
     assert [row.split()[1] for row in rows] == ["2", "9", "10"]
 
 
+def test_compare_of_other_problems_names_them(folder):
+    """Their values are not laid side by side, and a unit alone makes no other problem."""
+    (folder / "said.yaml").write_text(FILE)
+    (folder / "told.yaml").write_text(
+        FILE.replace("name: said", "name: told").replace("u_max: 5", "v_max: 5, u_max: 4")
+    )
+    (folder / "unit.yaml").write_text(FILE.replace("u_max: 5", "u_max: {value: 5, unit: N}"))
+    files = [solved_once(folder / f"{name}.h5", f"{name}.yaml") for name in ("said", "told", "unit")]
+    run = trajopt("compare", *files[:2])
+    head, *rows = run.stdout.splitlines()
+    assert head.split()[:3] == ["file", "problem", "method"]
+    assert sorted(row.split()[1] for row in rows) == ["said", "told"]
+    assert "these are results of different problems, which differ in parameters." in run.stderr
+    alike = trajopt("compare", files[0], files[2])
+    assert (alike.stderr, alike.stdout.split()[:2]) == ("", ["file", "method"])
+
+
 def test_compare_is_in_the_order_of_segments_if_nothing_else_differs(folder):
     (folder / "said.yaml").write_text(FILE)
     files = [
@@ -189,6 +206,16 @@ def test_the_seconds_are_those_of_all_work(folder, arguments):
     ("arguments", "code", "words"),
     [
         (("check", "cartpole", "--set", "parameters.l=1", "b=2"), 2, "write --set b=2"),
+        (("check", "cartpole", "--set", "max_iter=3"), 2, "write --set solver.max_iter=3"),
+        (("check", "cartpole", "--set", "tf=3"), 2, "--set tf: tf has its place in the file; write --set time.final=3"),
+        (("check", "cartpole", "--set", "segments=9"), 2, "write --set mesh.0.segments=9"),
+        (("check", "cartpole", "--set", "parameters.l==1"), 2, "write --set parameters.l=1"),
+        (("check", "cartpole", "--set", "parameters.l: 1"), 2, "write --set parameters.l=1"),
+        (("check", "cartpole", "--set", "parameters.l=1_0"), 2, "write --set parameters.l=10"),
+        (("check", "cartpole", "--set", "states.q1.final=[0, 1]"), 2, "--set 'states.q1.final={lower: 0, upper: 1}'"),
+        (("check", "cartpole", "--set", "states.q1.rate="), 2, "--set states.q1.rate: nothing determines how q1"),
+        (("check", "said.yaml", "--set", "objective.minimize.terminal="), 2, "--set objective.minimize.terminal: "),
+        (("solve", "cartpole", "--refine", "1d-6"), 2, "is written with e; write --refine 1e-6"),
         (("check", "cartpole", "--set", "l=1"), 2, "write --set parameters.l=1"),
         (("check", "cartpole", "--set", "l=1,5"), 2, "write --set parameters.l=1.5"),
         (("check", "cartpole", "--set", "u=5"), 2, "write --set controls.u.KEY=..., where KEY is lower or upper"),

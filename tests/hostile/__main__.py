@@ -67,19 +67,21 @@ def long_life(count: int) -> int:
 
 
 KINDS = {
-    "results": (results, 1500),
+    "results": (results, 1570),
     "problems": (problems, 2000),
     "moments": (moments, 300),
     "disks": (disks, len(CASES)),
-    "sweeps": (sweeps, 200),
+    "sweeps": (sweeps, 100),
     "full": (full, len(COMMANDS_THAT_WRITE) * len(LEFT)),
 }
 """Name -> the runs of each file, moment or case, and how many of them."""
+ALL = "all"
+"""Each of them in turn."""
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", choices=[*KINDS, "life"])
+    parser.add_argument("kind", choices=[*KINDS, ALL, "life"])
     parser.add_argument("--files", type=int, default=0, help="how many, of all that there are")
     parser.add_argument("--seed", type=int, default=0, help="of the choice among them")
     parser.add_argument("--skip", type=int, default=0, help="problem files to leave out at the start")
@@ -90,11 +92,17 @@ def main() -> int:
     told = parser.parse_args()
     if told.kind == "life":
         return long_life(told.files or 1000)
-    make, usual = KINDS[told.kind]
-    told.files = told.files or usual
+    counts = [campaign_of(kind, told) for kind in (KINDS if told.kind == ALL else [told.kind])]
+    return int(any(count.faults for count in counts))
+
+
+def campaign_of(kind: str, told: argparse.Namespace) -> Count:
+    """Run a campaign, print each run that ends badly, and the counts at the end."""
+    make, usual = KINDS[kind]
+    own = argparse.Namespace(**{**vars(told), "files": told.files or usual})
     start, count = time.monotonic(), Count()
     with tempfile.TemporaryDirectory() as name:
-        for runs in make(told, Path(name), count):
+        for runs in make(own, Path(name), count):
             count.files += 1
             for run in runs:
                 count.add(run)
@@ -105,12 +113,12 @@ def main() -> int:
                 print(f"{count.files} files, {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
             if time.monotonic() - start > told.seconds:
                 break
-    print(f"\n{told.kind}: {count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
+    print(f"\n{kind}: {count.files} files, {count.runs} runs, {time.monotonic() - start:.0f} s")
     print("exit codes:", ", ".join(f"{code}: {n}" for code, n in sorted(count.codes.items())))
     if count.unmade:
         print(f"could not be made: {len(count.unmade)}: {', '.join(count.unmade)}"[:2000])
-    print(f"ended badly: {len(count.faults)}")
-    return int(bool(count.faults))
+    print(f"ended badly: {len(count.faults)}", flush=True)
+    return count
 
 
 if __name__ == "__main__":

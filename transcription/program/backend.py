@@ -17,6 +17,10 @@ OPT_LEVEL = 0
 LLVM = "llvm"
 
 
+NO_VALUE = {se.zoo: se.nan}
+"""What SymEngine makes of a division by zero, which LLVM does not take -> what it gives when it is evaluated."""
+
+
 @cache
 def available_backend() -> str:
     """ "llvm" where SymEngine was built with it, else "lambda", its interpreter: slower, the same numbers."""
@@ -37,7 +41,10 @@ def lambdify(
     opt_level: how hard LLVM tries, from 0 to 3.
     """
     options = {"backend": backend, "cse": True, **({"opt_level": opt_level} if backend == LLVM else {})}
-    return se.Lambdify(inputs, expressions, **options)
+    try:
+        return se.Lambdify(inputs, expressions, **options)
+    except RuntimeError:
+        return se.Lambdify(inputs, [own.xreplace(NO_VALUE) for own in expressions], **options)
 
 
 def told(expressions: Sequence[se.Basic]) -> list[str]:

@@ -20,6 +20,9 @@ FARTHER, EXCEEDED = 5.0, 10.0
 farther away. EXCEEDED: where the mesh before exceeds a bound between its points, and the finer one less. That made it
 better than it may be, by more than multipliers of the few points that hold the bound tell."""
 
+MANY, MOST = 300, 20_000
+"""Segments from which on a mesh is asked how many more it would take, and as many as are worth a try."""
+
 STANDING = 0.8
 """An error bar or an error stands if it is more than that of the one before."""
 
@@ -65,6 +68,26 @@ def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:
     if last.relative_error > tolerance and not last.relative_error > STANDING * first.relative_error:
         return ""
     return f"{last.segments} segments are no better than {first.segments}: the error bar does not fall with the mesh"
+
+
+def out_of_reach(segments: Sequence[int], errors: Sequence[float], asked: float) -> str:
+    """Why an accuracy cannot be had, or "": an error that falls with a power of the number of segments would take too
+    many of them.
+
+    segments: of the meshes of refinement so far.
+    errors: of each, relative.
+    asked: to what they are to fall.
+    """
+    if len(segments) < 2 or segments[-1] < max(MANY, GROWN * segments[-2]) or not errors[-1] > asked:
+        return ""
+    power = float(np.log(errors[-2] / errors[-1]) / np.log(segments[-1] / segments[-2]))
+    if power <= 0:
+        return ""  # see `stalled`
+    wanted = segments[-1] * (errors[-1] / asked) ** (1 / power)
+    if not wanted > MOST:
+        return ""
+    falls = f"from {segments[-2]} to {segments[-1]} segments it fell from {errors[-2]:.1e} to {errors[-1]:.1e}"
+    return f"an accuracy of {asked:.1e} would take some {wanted:.0e} segments ({falls}): ask for fewer digits"
 
 
 def unmeasurable(solution: Solution) -> str:

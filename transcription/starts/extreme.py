@@ -7,11 +7,13 @@ end at another optimum. Where that distance is more than the size of an unknown,
 that unknown by its size, all others by 1.
 
 Large ones. A constraint may be violated by 1e-8 in its unit. The defect of a state of 1e7 is a difference of terms that
-have no such digit. Where a state is as large as LARGE, the program is scaled: it by its size, and so are its defects,
-all others as `scaling: auto` does.
+have no such digit; and a free time of 1e5 seconds moves by steps of 1. Where a state is as large as LARGE, or a free
+time as long as LONG, the units are small (metres from the centre of a planet), and the program is scaled: everything by
+its size, free times by the duration, so that units do not matter.
 
-The size of a state or an input is its largest magnitude along the start. Of a static parameter it is its guess; if
-that is 0, the value at which it begins to act: with X the sizes of the states and T the duration,
+The size of a state or an input is its largest magnitude along the start (for large ones, of an input in bounds half
+of what is between them); of a static parameter it is its guess. If that is 0, it is the value at which it begins to
+act: with X the sizes of the states and T the duration,
 
     size = min over the states of  X / (T |df/dp|).
 """
@@ -26,10 +28,11 @@ from ...problems.probe import depends_on
 from ...problems.problem import Phase
 from ...problems.quantities import Variable
 from ..layout import Transcription
+from ..scaling import TIME
 from .other import slopes
 
 KAPPA = 0.01
-LARGE = 1e6
+LARGE, LONG = 1e6, 1e4
 
 
 def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
@@ -38,19 +41,32 @@ def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, f
     transcription: what stands where.
     z: initial values of the unknowns, shape (n,).
 
-    Name of each large state -> its size; if there is none, name of each variable -> its size if it is small, else 1.
+    Name of each variable, and TIME, -> its size if a state is large; if none is, -> its size if it is small, else 1.
     """
     return _of_large(transcription, z) or _of_small(transcription, z)
 
 
 def _of_large(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
-    sizes: dict[str, float] = {}
+    sizes = dict[str, float]()
+    for variable, size in _sizes(transcription, z):
+        sizes[variable.name] = max(size, sizes.get(variable.name, 0.0))
+    states = [sizes[state.name] for layout in transcription.phases for state in layout.phase.states]
+    free = [_duration(layout.phase) for layout in transcription.phases if (layout.t >= 0).any()]
+    if max(states, default=0.0) < LARGE and max(free, default=0.0) < LONG:
+        return {}
     for layout in transcription.phases:
-        for state, places in zip(layout.phase.states, layout.x, strict=True):
-            size = float(np.abs(z[places[places >= 0]]).max(initial=0.0))
-            if size >= LARGE:
-                sizes[state.name] = max(size, sizes.get(state.name, 0.0))
-    return sizes
+        phase = layout.phase
+        for own in phase.inputs:
+            if np.isfinite([own.bounds.lower, own.bounds.upper]).all():
+                sizes[own.name] = (own.bounds.upper - own.bounds.lower) / 2
+        for own in (*phase.states, *phase.inputs):
+            sizes[own.name] = sizes[own.name] or _acts_at(phase, own.name)
+    sizes[TIME] = max(free, default=0.0)
+    return {name: size for name, size in sizes.items() if 0 < size < np.inf}
+
+
+def _duration(phase: Phase) -> float:
+    return phase.guess.final_time - phase.guess.initial_time
 
 
 def _of_small(transcription: Transcription, z: np.ndarray) -> dict[str, float] | None:
@@ -76,9 +92,9 @@ def _sizes(transcription: Transcription, z: np.ndarray) -> Iterator[tuple[Variab
 
 
 def _acts_at(phase: Phase, name: str) -> float:
-    """The value at which a static parameter begins to act in a phase; infinite where it does not."""
+    """The value at which something that is 0 begins to act in a phase; infinite where it does not."""
     states, guess = [state for state in phase.states if depends_on(state.rate, {name})], phase.guess
-    duration = guess.final_time - guess.initial_time
+    duration = _duration(phase)
     sizes = [np.abs(guess.values[state.name]).max(initial=0.0) for state in states]
     steepest = [np.abs(slope).max(initial=0.0) * duration for slope in slopes(phase, guess, name, states)]
     found = [float(size / slope) for size, slope in zip(sizes, steepest, strict=True) if size > 0 and slope > 0]

@@ -18,6 +18,8 @@ objective: {minimize: {integral: u**2}}
 """
 RATE, OBJECTIVE, M, U = "rate: u/m", "objective: {minimize: {integral: u**2}}", "m: 2", "upper: 10"
 
+FIRST = "parameters: {m: 2}"
+
 CASES = {  # name: (what the good file has, what was written, what is told, the line as it works)
     "interp with lists": (RATE, 'rate: "interp(x, [0, 1], [1, 2])"', "data stand in a table", None),
     "interp1 with lists": (RATE, 'rate: "u + interp1([0, 1], [1, 2], x)/m"', "data stand in a table", None),
@@ -43,6 +45,31 @@ CASES = {  # name: (what the good file has, what was written, what is told, the 
     "min u**2": (OBJECTIVE, "objective: min u**2", "objective: {minimize: {integral: u**2}}", None),
     "bolza": (OBJECTIVE, "objective: {bolza: {lagrange: u**2, mayer: tf}}",
               'write minimize: {integral: u**2, terminal: "t[final]"}', None),
+    "a thousand with a comma": (U, "upper: 1,000", "write upper: 1000, or 1.000 if it is a point", "upper: 1000"),
+    "a negative thousand": (U, "upper: 9, lower: -2,500", "write lower: -2500, or -2.500", None),
+    "a thousandth with a comma": (U, "upper: 0,125", "write upper: 0.125", "upper: 0.125"),
+    "a thousand in quotes": (U, 'upper: "1,000"', "write upper: 1000, or 1.000 if it is a point", None),
+    "a thousand with a space": (U, "upper: 1 000", "write 1000", "upper: 1000"),
+    "a thousand with a space in a rate": (RATE, "rate: u/m*2 500", '"2 500" in "u/m*2 500": there is no space', None),
+    "an exponent of Fortran as a tolerance": (FIRST, "refine: {tolerance: 1d-6}\n" + FIRST, "write tolerance: 1e-6",
+                                              "refine: {tolerance: 1e-6}\n" + FIRST),
+    "digits in groups as a number of segments": (FIRST, "mesh: [{method: radau, segments: 1_0}]\n" + FIRST,
+                                                 "write segments: 10", None),
+    "45 degrees by their sign": (RATE, "rate: u*cos(45°)/m", "write 45*pi/180", "rate: u*cos(45*pi/180)/m"),
+    "an angle by its sign": (RATE, "rate: u*sin(x °)/m", "write x*pi/180", None),
+    "a fixed end": ("final: 1}\n  v", "final: fixed}\n  v", "write its value, such as final: 1", None),
+    "an end that is there": ("final: 0}\ncontrols", "final: yes}\ncontrols", "write its value, such as final: 1", None),
+    "an end that is true": ("final: 1}\n  v", "final: true}\n  v", "write its value, such as final: 1", None),
+    "a range in parentheses": ("final: 1}\n  v", "final: (0, 1)}\n  v", "write final: {lower: 0, upper: 1}",
+                               "final: {lower: 0, upper: 1}}\n  v"),
+    "a range without an end, in parentheses": ("final: 1}\n  v", 'final: "(0, inf)"}\n  v', "write final: {lower: 0}",
+                                               None),
+    "a state as its rate": ("x: {rate: v, initial: 0, final: 1}", "x: v", "write x: {rate: v}", "x: {rate: v}"),
+    "one control of several": (RATE, "rate: (u1 + u2)/m", "did you mean u? If not, declare it: under controls: as u2",
+                               None),
+    "an output without its unit": (FIRST, "outputs: {E: m*v**2}\n" + FIRST,
+                                   "write expressions: {E: {value: m*v**2}}",
+                                   "expressions: {E: {value: m*v**2}}\n" + FIRST),
     "a range without an end": ("final: 1}\n  v", "final: [0, .inf]}\n  v", "write final: {lower: 0}",
                                "final: {lower: 0}}\n  v"),
     "a range without a beginning": ("final: 1}\n  v", "final: [-inf, 2]}\n  v", "write final: {upper: 2}", None),
@@ -52,13 +79,13 @@ CASES = {  # name: (what the good file has, what was written, what is told, the 
     "an end below": ("final: 1}\n  v", "final: <2.5}\n  v", "write final: {upper: 2.5}", None),
     "max: of the objective": (OBJECTIVE, "objective: {max: u**2}", "write maximize: {integral: u**2}", None),
     "minimise: of the objective": (OBJECTIVE, "objective: {minimise: tf}", 'minimize: {terminal: "t[final]"}', None),
-    "digits in groups and an exponent": (M, "m: 1_0e3", "write 10e3", "m: 10e3"),
-    "digits in groups and a negative one": (M, "m: 1_000e-3", "write 1000e-3", "m: 1000e-3"),
+    "digits in groups and an exponent": (M, "m: 1_0e3", "write m: 10e3", "m: 10e3"),
+    "digits in groups and a negative one": (M, "m: 1_000e-3", "write m: 1000e-3", "m: 1000e-3"),
     "= before a brace": ("  x: {rate", "  x = {rate", "write x: {rate: v, initial: 0, final: 1}", None),
     "= in a section": ("parameters: {m: 2}", "parameters = {m: 2}", "write parameters: {m: 2}", None),
     "x_dot": ("x: {rate: v, initial: 0, final: 1}", "x_dot: v", "write x: {rate: v}", "x: {rate: v}"),
     "dxdt": ("x: {rate: v, initial: 0, final: 1}", "dxdt: v", "write x: {rate: v}", None),
-    "digits in groups and a point": (M, "m: 1_000.5", "write 1000.5", "m: 1000.5"),
+    "digits in groups and a point": (M, "m: 1_000.5", "write m: 1000.5", "m: 1000.5"),
     "digits in groups in a product": (RATE, "rate: u*1_0.2_5/m", "write 10.25", None),
     "apostrophes": (M, "m: 10'000", "write m: 10000", "m: 10000"),
     "apostrophes, more": (M, "m: 1'000'000.5", "write m: 1000000.5", None),
@@ -76,8 +103,8 @@ ADDED = {
     "tables: {rho: {points: {h: [0, 1, 2]}, values: [1, 2, 3], extrapolation: hold}}": ["outside: hold"],
     "table: {rho: {points: {h: [0, 1, 2]}, values: [1, 2, 3]}}": ["tables: in place of table:"],
     "continuation: {parameters.m: 1}": ["write parameters.m: [1]"],
-    "outputs: {drag: m*v**2}": ["expressions: {drag: {value: m*v**2, unit: W}}"],
-    "outputs: [m*v]": ["expressions: {power: {value: m*v, unit: W}}"],
+    "outputs: {drag: m*v**2}": ["expressions: {drag: {value: m*v**2}}"],
+    "outputs: [m*v]": ["expressions: {power: {value: m*v}}"],
 }
 
 

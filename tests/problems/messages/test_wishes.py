@@ -97,7 +97,7 @@ WISHES = {  # name: (what the good file has, what was written in its place, the 
 }  # fmt: skip
 
 ADDED = {  # what is added to the good file, and the line that the message gives
-    "outputs: {power: u*v}": "expressions: {power: {value: u*v, unit: W}}",
+    "outputs: {power: u*v}": "expressions: {power: {value: u*v}}",
     "method: trapezoid": "mesh: [{method: trapezoid, segments: 20}]",
     "tolerance: 1e-6": "refine: {tolerance: 1e-6}",
     "guess: {x: 1}": "constants: {x: 1}",

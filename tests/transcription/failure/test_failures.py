@@ -155,6 +155,10 @@ NOT_FINITE = {
         problem(states="x: {rate: v, initial: 0, final: 1}, v: {rate: u/t, initial: 0, final: 0}"),
         'rate of v: "u/t" divides by zero at t = 0, where u = 0',
     ),
+    "a divisor that cancels": (
+        problem(states="x: {rate: u + 1/(x - x), initial: 0, final: 1}"),
+        'rate of x: "1/(x - x)" divides by zero at t = 0, where x = 0',
+    ),
     "overflow": (
         problem(states="x: {rate: u + exp(exp(10*x)), initial: 0, final: 1}"),
         'rate of x: "exp(exp(10*x))" is too large a number at t = 0.7, where x = 0.7',

@@ -7,7 +7,7 @@ import pytest
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
 from trajopt.transcription.loading import load_file
-from trajopt.transcription.refinement.basin import left_basin
+from trajopt.transcription.refinement.basin import left_basin, out_of_reach
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solve import solve
 
@@ -100,3 +100,20 @@ def test_a_mesh_too_large_to_solve_leaves_the_one_before(monkeypatch):
     assert solution.stopped.startswith("the next mesh cannot be solved: ")
     assert "unknowns are more than" in solution.stopped
     assert solution.inaccurate
+
+
+@pytest.mark.parametrize(
+    ("segments", "errors", "asked", "told"),
+    [
+        ([331, 1263], [6.0e-8, 1.1e-8], 1e-11, "3e+05 segments"),  # goddard --accuracy 1e-11 went on to 19459
+        ([116, 331], [6.0e-7, 6.0e-8], 1e-11, ""),  # it may still fall fast
+        ([331, 1263], [6.0e-8, 1.1e-8], 5e-9, ""),
+        ([331, 1263], [6.0e-8, 1.1e-8], 2e-8, ""),
+        ([1263, 1300], [1.1e-8, 1.09e-8], 1e-11, ""),  # hardly any new segments tell nothing
+        ([105, 328, 948], [1e-2, 4e-3, 2e-3], 1e-6, "1e+08 segments"),  # a race car whose control is a jerk
+        ([331, 1263], [6.0e-8, float("nan")], 1e-11, ""),
+    ],
+)
+def test_digits_that_would_take_too_many_segments_are_not_tried(segments, errors, asked, told):
+    why = out_of_reach(segments, errors, asked)
+    assert bool(why) == bool(told) and told in why

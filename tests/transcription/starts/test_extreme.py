@@ -91,3 +91,27 @@ def test_what_only_rounding_keeps_from_the_tolerance_is_solved():
     """The same cells without any scaling."""
     solution = trajopt.solve(trajopt.load(CELLS, ["scaling={n: 1, m: 1, c: 1}"]))
     assert solution.solved and solution.objective == pytest.approx(8.29300508, rel=1e-7)
+
+
+ORBIT = """
+trajopt: 1
+name: a circular orbit raised by low thrust
+parameters: {mu: 3.986004418e14*L**3/S**2, L: LENGTH, S: SECOND, T: 0.02*L/S**2, c: 3e4*L/S,
+  near: 6.778e6*L, far: 8e6*L}
+time: {initial: 0, final: {lower: 1e3*S, upper: 2e5*S, guess: 3e4*S}}
+states:
+  r: {rate: w, initial: near, final: far}
+  w: {rate: v**2/r - mu/r**2 + T*sin(a)/m, initial: 0, final: 0}
+  v: {rate: -w*v/r + T*cos(a)/m, initial: sqrt(mu/near), final: sqrt(mu/far)}
+  m: {rate: -T/c, initial: 1, lower: 0.01}
+controls: {a: {lower: -pi, upper: pi}}
+objective: {minimize: {terminal: "t[final]"}}
+"""
+
+
+@pytest.mark.parametrize(("length", "second"), [(1, 1), (1e-3, 1), (1 / 6.778e6, 1 / 883.0)])
+def test_an_orbit_is_found_in_any_unit(length, second):
+    """In metres and seconds it ran out of 3000 iterations, as neither a free time nor what starts at 0 was scaled."""
+    found = trajopt.solve(trajopt.load(ORBIT.replace("LENGTH", repr(length)).replace("SECOND", repr(second))))
+    assert found.solved and sum(mesh.iterations for mesh in found.meshes) < 60
+    assert found.objective / second == pytest.approx(30324.2542, rel=1e-7)

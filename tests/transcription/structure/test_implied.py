@@ -4,6 +4,7 @@ import pytest
 
 import trajopt
 from trajopt.problems.build import build
+from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 
 QUATERNION = """\
@@ -123,7 +124,6 @@ def test_a_path_equality_given_twice():
         (MOVE.replace("MORE", THIRD), "equals: 1.5", "equals: 1.4", 0),  # they contradict each other
         (MOVE.replace("MORE", THIRD), "2*x[final]", "2*x[final] + 0.1*v[final]", 0),
         (MOVE.replace("MORE", SQUARE), '**2", equals', '**2", lower', 0),
-        (REACTION, "final: 0.2}", "final: 0.3}", 0),  # the dynamics do not lead there
         (REACTION, "b: {rate: -u*a*b", "b: {rate: -u*a*b - 0.01*b", 1),
         (REACTION, "c: {rate: u*a*b - 0.2*c, initial: 0,", "c: {rate: u*a*b - 0.2*c,", 1),
     ],
@@ -132,3 +132,33 @@ def test_what_does_not_follow_stays_as_it_is(text, old, new, follow):
     assert old in text
     phase = built(text.replace(old, new))
     assert not phase.implied and len(phase.follows) == follow
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "line", "kept"),
+    [
+        (REACTION, "final: 0.2}", "final: 0.3}", 6, "b + c, which is 0.8 at the initial and 0.9 at the final time"),
+        (PLANE, "sin(2)", "sin(2) + 1e-4", 5, "c**2 + s**2, which is 1 at the initial and 1.000182 at"),
+        (QUATERNION, "0.6*sin", "0.7*sin", 7, "q0**2 + q1**2 + q2**2 + q3**2, which is 1 at the initial and 1.1206"),
+    ],
+)
+def test_final_values_that_the_dynamics_do_not_lead_to_are_refused(text, old, new, line, kept):
+    assert old in text
+    with pytest.raises(SpecError) as raised:
+        load_text(text.replace(old, new), "file.yaml")
+    (mistake,) = raised.value.mistakes
+    assert f":{line}: states" in mistake.where and f"the dynamics keep {kept}" in mistake.what
+
+
+@pytest.mark.parametrize("unit", [1e-7, 1.0, 1e8])
+def test_whether_final_values_agree_does_not_depend_on_their_unit(unit):
+    """Held to 1e-6 of 1 + the largest value before, values of 1e-7 agreed whatever they were."""
+    text = REACTION.replace("*a*b", f"*a*b/{unit}")
+    for value in ("1", "0.8", "0.4", "0.2", "0.6"):
+        text = text.replace(f"al: {value}", f"al: {unit}*{value}")
+    (phase,) = build(load_text(text, "file.yaml")).phases
+    finals = [state.final for state in phase.states if state.name in phase.follows]
+    assert len(finals) == 2  # a + c and b + c are kept
+    assert all(0 < final.upper - final.lower < 2.1e-6 * unit for final in finals)
+    with pytest.raises(SpecError, match="cannot be reached"):
+        load_text(text.replace(f"al: {unit}*0.2", f"al: {unit}*0.2001"), "file.yaml")

@@ -27,7 +27,7 @@ MET = 1e-9
 """Relative to 1 + |c|: what fixed initial or final values may miss an invariant by."""
 
 ALMOST = 1e-6
-"""Relative to 1 + its size: how near a final value that follows from the others is held."""
+"""Of the size of a state, or relative to 1 + that of a constraint: how near what follows is held."""
 
 
 def without_invariants(phase: Phase) -> Phase:
@@ -46,7 +46,9 @@ def without_invariants(phase: Phase) -> Phase:
             outputs[own.name] = Output(own.function)
             follows += _following(phase, own, follows)
     names = tuple(name for name in outputs if name not in phase.outputs)
-    states = tuple(replace(own, final=almost(own.final)) if own.name in follows else own for own in phase.states)
+    states = tuple(
+        replace(own, final=almost(own.final, own.initial)) if own.name in follows else own for own in phase.states
+    )
     return replace(
         phase,
         states=states,
@@ -97,13 +99,15 @@ def _following(phase: Phase, own: Constraint, chosen: Sequence[str]) -> list[str
     return [left[int(np.argmax(slopes))]] if slopes.max() > 0 else []
 
 
-def almost(final: Range) -> Range:
+def almost(value: Range, other: Range | None = None) -> Range:
     """The range around a value that follows from others.
 
-    final: what it would be.
+    value: what it would be.
+    other: that of a state at the other end of time; what is near depends on the larger of both then.
     """
-    near = ALMOST * (1 + abs(final.lower))
-    return Range(final.lower - near, final.upper + near)
+    size = max(abs(value.lower), abs(other.lower)) if other and other.fixed else 1 + abs(value.lower)
+    near = ALMOST * (size or 1.0)
+    return Range(value.lower - near, value.upper + near)
 
 
 def _is_kept(phase: Phase, g: Expression, value: float) -> bool:
