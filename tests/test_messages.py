@@ -100,6 +100,7 @@ CHAIN = {
             {"joint": "prismatic", "distance": "slid", "mass": 1, "length": 1},
         ],
         "forces": [{"link": "arm", "at": 0.2, "x": "u", "y": 1}],
+        "loops": [{"link": "link4", "at": 0.5, "to": "base", "x": 1, "y": 0.5}],
     },
     "states": {"v": {"unit": "m/s", "rate": "u - c*v", "initial": 0}},
     "residuals": ["F - u"],
@@ -112,11 +113,19 @@ WALKER = {
     "states": {"x": {"rate": "v"}, "v": {"unit": "m/s", "rate": "u - c*v", "initial": 0}},
     "residuals": ["F - u"],
 }  # fmt: skip
+PINNED = {
+    **WALKER,
+    "model": {
+        "kind": "chain", "loops": [{"link": "arm", "at": 0.5, "to": "last", "to_at": 0.5}],
+        "links": [{"name": name, "mass": 1, "length": 1} for name in ("arm", "middle", "last")],
+    },
+}  # fmt: skip
 # Keys that exclude others of the full file.
 OTHERS = {
     "phases": PHASES,
     **dict.fromkeys(("model", "cart", "links"), CHAIN),
     "step": WALKER,
+    "to_at": PINNED,
     **dict.fromkeys(("complementarity", "relax"), PAIRS),
     "measurements": MEASURED,
     "waypoints": WAYPOINTS,
@@ -214,7 +223,7 @@ def test_no_message_is_foreign(number, value):
     full = full_data()
     phased = full_data("phases")
     of_phases = [path for path in paths(phased) if path[0] in ("phases", "links")]
-    robots = {own: full_data(own) for own in ("model", "step")}
+    robots = {own: full_data(own) for own in ("model", "step", "to_at")}
     of_chains = [(data, path) for data in robots.values() for path in paths(data) if path[0] == "model"]
     places = [*((full, path) for path in paths(full)), *((phased, path) for path in of_phases), *of_chains]
     for whole, path in share(places, 3, first=number % 3):

@@ -250,7 +250,8 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
-        if more and (why := self._in_vain(refine)):
+        barrier = goal.beyond_engine if goal else ""
+        if more and (why := barrier or self._in_vain(refine)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:

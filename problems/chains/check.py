@@ -25,6 +25,7 @@ from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .bodies import coordinate_names, names_of
+from .closed import AXES
 from .motion import CART_NAME, GRAVITY, TOTAL, Chain
 from .sliding import mass
 from .step import Stride
@@ -65,7 +66,41 @@ def mistakes(entry: ModelEntry, data: Mapping[str, Any]) -> list[Finding]:
         if force.link not in names:
             remedy = did_you_mean(force.link, names, f"the links are {', '.join(names)}")
             found.append(Finding(("model", "forces", number, "link"), f"there is no link {brief(force.link)}", remedy))
-    return [*found, *_step(entry, names)]
+    found += [finding for number in range(len(entry.loops)) for finding in _loop(entry, names, number)]
+    return [*found, *_loops(entry, data), *_step(entry, names)]
+
+
+def _loop(entry: ModelEntry, names: list[str], number: int) -> Iterator[Finding]:
+    """One closed loop: its links, and what says where on them."""
+    loop, path = entry.loops[number], ("model", "loops", number)
+    for key in ("link", "to"):
+        own, known = getattr(loop, key), names if key == "link" else [BASE, *names]
+        if own not in known:
+            remedy = did_you_mean(own, known, f"the links are {', '.join(names)}")
+            yield Finding((*path, key), f"there is no link {brief(own)}", remedy)
+    if loop.link == loop.to:
+        yield Finding((*path, "to"), f"{loop.to} is pinned to itself", "name the link that it is pinned to, or base")
+    for key in ("x", "y") if loop.to != BASE else ("to_at",):
+        if getattr(loop, key) is not None:
+            other = "a point of the base" if key in AXES else "a point of a link"
+            remedy = f"remove {key}:, or write to: {BASE if key in AXES else 'with the name of a link'}"
+            yield Finding((*path, key), f"this is {other}, and the loop goes to {brief(loop.to)}", remedy)
+
+
+def _loops(entry: ModelEntry, data: Mapping[str, Any]) -> Iterator[Finding]:
+    """What all closed loops together leave of a chain, and where they have no place."""
+    if not entry.loops:
+        return
+    path: Path = ("model", "loops")
+    free = sum(map(bool, coordinate_names(entry.links))) + {CART: 1, FLOATING: 2}.get(entry.base, 0)
+    if free <= 2 * len(entry.loops):
+        what = f"each loop holds two of the {free} ways in which the chain can move, so that nothing is left"
+        yield Finding(path, what, "leave out a loop, or add a link that turns")
+    for key in (key for key in ("phases", "waypoints") if data.get(key)):
+        what = f"a loop is closed at the initial time of one phase, and there are {key}"
+        yield Finding(path, what, f"remove {key}:")
+    if entry.step:
+        yield Finding(path, "a walker with step: has no closed loops", "leave out step:, or the loops")
 
 
 def _base(entry: ModelEntry) -> Iterator[Finding]:

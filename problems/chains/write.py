@@ -21,6 +21,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .bodies import Body, control_of
 from .check import mistakes
+from .closed import AXES, Closed, forces_of, name_of, with_loops
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .robots import robot_of, write_chain
 from .sections import list_in, mapping_in
@@ -60,7 +61,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     if found := [*found, *mistakes(entry, data)]:
         declare(data, model)
         return of_robot, found
-    short, found = _Writer(data, Chain(entry)).write()
+    short, found = _Writer(data, Chain(with_loops(entry))).write()
     return of_robot | short, found
 
 
@@ -109,6 +110,8 @@ class _Writer:
         self.formulas()
         self.points()
         self.residuals()
+        for number, loop in enumerate(self.chain.entry.loops, start=1):
+            self.loop(Closed(self.chain, loop, number))
         if self.chain.entry.step:
             self.step(Stride(self.chain, self.chain.entry.step))
         if not self.data.get("drawing"):
@@ -204,12 +207,16 @@ class _Writer:
         for key in ("mass", "force") if entry.cart else ():
             if (own := getattr(entry.cart, key)) is not None:
                 self.define(f"{CART_NAME}_{key}", own, ("model", "cart", key), f"{key} of the cart")
+        given = len(entry.forces) - sum(map(len, map(forces_of, entry.loops)))
         for number, force in enumerate(entry.forces):
+            path: Path = ("model", "forces", number) if number < given else ("model", "loops")
             for axis, name in zip((ACROSS, UP), force_names(force, number), strict=True):
                 if name != "0":
-                    self.define(name, getattr(force, axis), ("model", "forces", number, axis), f"force on {force.link}")
+                    own = (*path, axis) if number < given else path
+                    self.define(name, getattr(force, axis), own, f"force on {force.link}")
             if force.at is not None:
-                self.define(f"force{number + 1}_at", force.at, ("model", "forces", number, "at"), "where it acts")
+                own = (*path, "at") if number < given else path
+                self.define(f"force{number + 1}_at", force.at, own, "where it acts")
 
     def formulas(self) -> None:
         """Constants of the mass matrix, and the moments that several equations share."""
@@ -237,6 +244,25 @@ class _Writer:
         own = [{"name": name, "expression": text} for name, text in self.chain.equations().items() if name not in known]
         self.short |= {("residuals", len(given) + i): ("model",) for i in range(len(own))}
         given += own
+
+    def loop(self, loop: Closed) -> None:
+        """The force that holds a loop together, what determines it, and that the loop is closed in the beginning."""
+        path: Path = ("model", "loops", loop.number - 1)
+        for key in ("at", "to_at", *AXES):
+            if (own := getattr(loop.entry, key)) is not None:
+                self.define(loop.constant(key), own, (*path, key), "where a loop is closed")
+        algebraic, residuals = self.section("algebraic"), list_in(self.data, "residuals")
+        boundary = list_in(self.section("constraints"), "boundary")
+        for axis in AXES:
+            force, note = loop.force(axis), f"force on {loop.entry.link} that closes a loop"
+            algebraic[force] = {"unit": "N", "note": note, **(algebraic.get(force) or {})}
+            self.short.setdefault(("algebraic", force), path)
+            self.short["residuals", len(residuals)] = path
+            residuals.append({"name": f"{name_of(loop.number)} {axis}", "expression": loop.residual(axis)})
+            for name, text in ((f"gap_{axis}", loop.gap(axis)), (f"gap_v{axis}", loop.closing(axis))):
+                self.define(loop.constant(name), text, path, "of a closed loop, zero")
+                self.short["constraints", "boundary", len(boundary)] = path
+                boundary.append({"expression": f"{loop.constant(name)}[initial]", "equals": 0})
 
     def step(self, step: Stride) -> None:
         for name, value in step.constants().items():

@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from ..expressions.smooth import SLACK
 from ..lean.records import dataclass
 from ..names.occurrences import HISTORY, TRAJECTORY, constraint_names, constraints, uses
 from ..names.variables import free_name
@@ -43,7 +44,15 @@ class Part:
 
 def why_not(spec: Spec) -> str:
     """Why a problem cannot be split into phases, or into more of them; "" if it can."""
-    return next(filter(None, map(_why_not, phases_as_written(spec).values())), "")
+    phases = phases_as_written(spec).values()
+    if has_slack(spec) and len(phases) > 1:
+        return "abs, min and max have slack variables in it, which are of one phase"
+    return next(filter(None, map(_why_not, phases)), "")
+
+
+def has_slack(spec: Spec) -> bool:
+    """Whether a file has slack variables in place of abs, min and max."""
+    return spec.nonsmooth is not None and spec.nonsmooth.treatment == SLACK
 
 
 def _why_not(spec: Spec) -> str:
@@ -52,7 +61,6 @@ def _why_not(spec: Spec) -> str:
     reasons = {
         "it has no continuous time": spec.static or spec.discrete,
         "one of two things is zero in it (complementarity), which has no smooth arcs": spec.complementarity,
-        "abs, min and max are not smooth within an arc": spec.nonsmooth,
         "states at earlier times are of one phase": any(use.context == HISTORY for use in own),
         "measurements are of one phase": spec.measurements,
         "its equations depend on t[initial], t[final] or t[duration], which would be those of a phase": any(
@@ -138,6 +146,8 @@ def plain(spec: Spec) -> dict[str, Any]:
     data = data_of(spec)
     left_out = {"guess", "continuation", "sweep", "model", *(["reference"] if spec.overrides else [])}
     data = {key: value for key, value in data.items() if key not in left_out}
+    if spec.nonsmooth and spec.nonsmooth.widths:
+        data["nonsmooth"] = {spec.nonsmooth.treatment: spec.nonsmooth.widths[-1].text}
     if "solver" in data:
         data["solver"] = {key: value for key, value in data["solver"].items() if key not in ("starts", "seed")}
     return {"trajopt": 1, "name": spec.name, **data}

@@ -119,6 +119,17 @@ class ForceEntry(Entry):
     y: Formula = Field(parse("0"), description="upwards, N")
 
 
+class LoopEntry(Entry):
+    """Two points that are pinned together, which closes a loop: of a link, and of another one or of the base."""
+
+    link: Text = Field(description="name of the link")
+    at: Formula | None = Field(None, description="where on it, as a distance from its joint; default its length")
+    to: Text = Field("base", description="name of the other link, or base (default)")
+    to_at: Formula | None = Field(None, description="where on the other link; default its length")
+    x: Formula | None = Field(None, description="with to: base: where, to the right of where the chain begins, m")
+    y: Formula | None = Field(None, description="with to: base: where, upwards, m")
+
+
 class StepEntry(Entry):
     """The step of a walker: at the final time a tip strikes the ground and stays, and the legs change roles."""
 
@@ -146,6 +157,9 @@ class ModelEntry(Entry):
     links: Annotated[list[ChainLink], Field(max_length=MAX_LINKS)] = Field([], description="from the base outwards")
     forces: Annotated[list[ForceEntry], Field(max_length=MAX_FORCES)] = Field(
         [], description="from outside: [{link: NAME, x: Fx, y: Fy}]"
+    )
+    loops: Annotated[list[LoopEntry], Field(max_length=MAX_LINKS)] = Field(
+        [], description="closed loops: [{link: NAME, x: x, y: y}] pins its tip to the base, to: NAME to another link"
     )
     step: StepEntry | None = Field(
         None,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from decimal import Decimal
-from math import inf, isfinite, log10
+from math import floor, inf, isfinite, log10
 from typing import Any
 
 from ...problems.lean.records import dataclass
@@ -16,14 +16,40 @@ from ..audit.check import Check
 MOST_DIGITS = 8.0
 """What is told of an agreement at most: the solver's tolerance is 1e-8."""
 
+SHOWN = 10
+"""Significant digits of a reference that are asked for, as many as the table shows."""
+
+OF_DIGIT, FINEST = 0.5, 1e-10
+"""Of half a unit of the last digit of a reference: the error bar that tells it. And the least, of 1 + |J|."""
+
 EXACT = "exact"
 """What the source of an exact value begins with."""
+
+ROUNDED = 1e-6
+"""Of half a digit: what a decimal number is off in binary."""
+
+COMPLETE, FINE, EXCLUDED, SHORT = "all", "all, finer", "reference is off", "short"
+"""All digits of the reference agree; those of a finer solve do; the error bar of that one excludes the reference, which
+its mesh or its rounding limits; or they do not."""
 
 SLOW = frozenset({
     *("coulomb_friction", "free_flying_robot", "goddard", "goddard_speed_limit", "hang_glider", "min_time_climb"),
     *("quadrotor", "reorientation", "delta_iii"),
 })  # fmt: skip
 """Shipped problems that take more than some 3 s."""
+
+
+@dataclass(frozen=True)
+class Finer:
+    """The same problem with an option of `trajopt solve` that gives more digits, and what came of it."""
+
+    option: str
+    objective: float
+    bar: float
+
+    @property
+    def told(self) -> str:
+        return f"{self.option} gives {self.objective:.12g} +- {self.bar:.1e}"
 
 
 @dataclass(frozen=True)
@@ -34,6 +60,7 @@ class Row:
     bar: |J - J*| is at most that, None where there is no error bar. reference, tolerance, source: of the file, None
     and "" without one. segments, points: of the last meshes of all phases. iterations: over all meshes. checks: how
     many `verify` made; failed: the names of those that failed. seconds: of the solve; verify_seconds: of the checks.
+    finer: the problem with more digits, where the default does not agree in all those of the reference.
     """
 
     name: str
@@ -53,6 +80,7 @@ class Row:
     failed: tuple[str, ...] = ()
     seconds: float = 0.0
     verify_seconds: float = 0.0
+    finer: Finer | None = None
 
     @property
     def difference(self) -> float:
@@ -81,6 +109,41 @@ class Row:
         return -log10(0.5 * 10.0**last / scale)
 
     @property
+    def half_digit(self) -> float:
+        """Half a unit of the last digit of the reference that is asked for: the last one that its file gives, or the
+        tenth; behind the point of a reference that is zero, and of a whole number, which is exact."""
+        assert self.reference is not None
+        first = floor(log10(abs(self.reference))) if self.reference else 0
+        given = int(Decimal(repr(self.reference)).normalize().as_tuple().exponent)
+        shown = first + 1 - SHOWN
+        return 0.5 * 10.0 ** (shown if self.reference.is_integer() else max(given, shown))
+
+    @property
+    def complete(self) -> bool | None:
+        """Whether the objective agrees with all digits of the reference; None without one."""
+        return None if self.reference is None else self.difference <= self.half_digit * (1 + ROUNDED)
+
+    @property
+    def accuracy_of_digits(self) -> float:
+        """The accuracy that tells all digits of the reference, as `--accuracy` takes it."""
+        assert self.reference is not None
+        wanted = OF_DIGIT * self.half_digit / (1 + abs(self.reference))
+        return max(float(f"{wanted:.0e}"), FINEST)
+
+    @property
+    def standing(self) -> str:
+        """How the objective stands to the digits of the reference: one of COMPLETE, FINE, EXCLUDED and SHORT, or ""
+        without a reference."""
+        if self.reference is None:
+            return ""
+        if self.complete or self.finer is None:
+            return COMPLETE if self.complete else SHORT
+        apart, half = abs(self.finer.objective - self.reference), self.half_digit * (1 + ROUNDED)
+        if apart <= half:
+            return FINE
+        return EXCLUDED if apart > self.finer.bar + half and not self.source.startswith(EXACT) else SHORT
+
+    @property
     def holds(self) -> bool | None:
         """Whether the error bar and the reference's tolerance cover the difference; None where there is no bar."""
         if self.bar is None or self.reference is None or self.tolerance is None:
@@ -101,7 +164,7 @@ class Row:
     @property
     def told(self) -> dict[str, Any]:
         """All of it, as JSON has it."""
-        made = {"digits": self.digits, "holds": self.holds}
+        made = {"digits": self.digits, "holds": self.holds, "standing": self.standing}
         return {**asdict(self), "tags": list(self.tags), "failed": list(self.failed), **made}
 
     @property
@@ -111,10 +174,13 @@ class Row:
         for key, digits in (("objective", 12), ("bar", 2)):
             if lasting[key] is not None:
                 lasting[key] = float(f"{lasting[key]:.{digits}g}")
+        if self.finer:
+            objective, bar = float(f"{self.finer.objective:.12g}"), float(f"{self.finer.bar:.2g}")
+            lasting["finer"] = asdict(replace(self.finer, objective=objective, bar=bar))
         return lasting
 
 
-VARYING = ("seconds", "verify_seconds", "digits", "holds")
+VARYING = ("seconds", "verify_seconds", "digits", "holds", "standing")
 """What is not kept: times, and what follows from the rest."""
 
 
@@ -124,7 +190,8 @@ def row_from(told: Mapping[str, Any]) -> Row:
     values: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in told.items() if key in known
     }
-    return Row(**values)
+    finer = values.get("finer")
+    return Row(**{**values, "finer": Finer(**finer) if finer else None})
 
 
 def row_of(name: str, spec: Spec, solution: Solution, checks: list[Check], seconds: tuple[float, float]) -> Row:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +14,18 @@ from ...problems.build import build_all
 from ...problems.catalog import shipped
 from ...problems.errors import Mistake, SpecError, TrajoptError
 from ...problems.load import load
+from ...problems.schema.spec import Spec
 from ...problems.text import did_you_mean
 from ...transcription.continuation import solve_spec
+from ...transcription.solution.solution import Solution
 from ..file.write import check_target, write
+from ..polish.polish import polish
 from ..sweep.engines import LocalEngine
 from ..verify import verify
-from .rows import SLOW, Row, row_of
+from .rows import EXCLUDED, FINE, SHORT, SLOW, Finer, Row, row_of
+
+MOST_SECONDS = 300
+"""For the solve that is to tell all digits of a reference."""
 
 
 def problems(only: Sequence[str], fast: bool) -> list[str]:
@@ -39,13 +47,15 @@ def problems(only: Sequence[str], fast: bool) -> list[str]:
     return meant
 
 
-def solve_one(name: str, folder: Path, command: str = "", verified: bool = True) -> Row:
-    """Solve a shipped problem as its file says, and verify it.
+def solve_one(name: str, folder: Path, command: str = "", verified: bool = True, finer: bool = True) -> Row:
+    """Solve a shipped problem as its file says, and verify it; and for more digits, if its objective and the reference
+    do not agree in all of them.
 
     name: of the problem.
     folder: where its result file goes, as NAME.h5.
     command: what the user typed, for the result file.
     verified: whether the checks of `verify` are made, which often take longer than the solve.
+    finer: whether these other solves are made.
 
     Raises FileError if the file cannot be written.
     """
@@ -55,7 +65,35 @@ def solve_one(name: str, folder: Path, command: str = "", verified: bool = True)
     solved = time.perf_counter()
     write(path, solution, spec.text, spec.model_dump_json(), command)
     checks = verify(path) if verified else []
-    return row_of(name, spec, solution, checks, (solved - began, time.perf_counter() - solved))
+    row = row_of(name, spec, solution, checks, (solved - began, time.perf_counter() - solved))
+    wanted = finer and row.bar is not None and row.complete is False and not (spec.static or spec.discrete)
+    return finest(row, spec, solution) if wanted else row
+
+
+def finest(row: Row, spec: Spec, solution: Solution) -> Row:
+    """The row with a solve that agrees in all digits of the reference, or excludes it: by phases, one for each arc, or
+    by a smaller error bar.
+
+    row: of the solution.
+    spec: of the problem.
+    solution: that the default leads to.
+    """
+    polished = replace(row, finer=_told("--polish", polish(spec, solution).solution, solution))
+    if polished.standing in (FINE, EXCLUDED):
+        return polished
+    accuracy = f"{row.accuracy_of_digits:.0e}"
+    spec = load(shipped()[row.name], [f"refine.objective={accuracy}", f"solver.seconds={MOST_SECONDS}"])
+    refined = replace(row, finer=_told(f"--accuracy {accuracy}", solve_spec(spec, build_all(spec)), solution))
+    found = [own for own in (refined, polished) if own.finer]
+    return min(found, key=lambda own: (own.standing == SHORT, own.finer.bar if own.finer else inf), default=row)
+
+
+def _told(option: str, finer: Solution, solution: Solution) -> Finer | None:
+    """What came of an option; None if it is no better."""
+    bar = finer.objective_error.bar
+    if not finer.solved or not bar < solution.objective_error.bar:
+        return None
+    return Finer(option, float(finer.objective), float(bar))
 
 
 def solve_library(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 from ..report.page import rendered
 from ..reproduction.page import MADE_BY as PAGES
 from ..reproduction.page import machine
-from .rows import Row
+from .rows import COMPLETE, EXCLUDED, FINE, Row
 
 TITLE = "The library, solved and verified"
 
@@ -20,8 +21,8 @@ FIRST_TRIES = Path(__file__).parent / "first_tries.md"
 MADE_BY = "trajopt reproduce library"
 """Stands in every file that is written, by which it is known again."""
 
-LASTING = ("problem", "tags", "objective", "error bar", "reference", "digits", "bar holds", "segments", "points",
-           "meshes", "iterations", "verify", "source of the reference")  # fmt: skip
+LASTING = ("problem", "tags", "objective", "error bar", "reference", "digits", "published digits", "bar holds",
+           "segments", "points", "meshes", "iterations", "verify", "source of the reference")  # fmt: skip
 """Columns of what does not vary from run to run."""
 
 COLUMNS = (*LASTING[:-2], "seconds", "verify", "seconds of verify", LASTING[-1])
@@ -37,6 +38,9 @@ Every shipped problem, as its file says, and verified by `trajopt verify`.
 - **error bar**: |J - J*| is at most that, as the solve claims; none for methods that give none.
 - **digits**: in which objective and reference agree, no more than the reference has, and at most 8, as the solver's
   tolerance is 1e-8. Where the reference is zero: digits behind the point.
+- **published digits**: whether all digits of the reference agree, as its file gives them and at most 10. Where the
+  default has fewer, a finer solve tells: it has them all; or its error bar excludes the reference, which is off by its
+  mesh or its rounding; or it is short of digits, too.
 - **bar holds**: the difference is within the error bar and the tolerance that the file gives its reference.
 - **segments**, **points**: of the last mesh, all phases together; **iterations**: over all meshes.
 
@@ -54,6 +58,7 @@ def cells(row: Row) -> dict[str, str]:
         "error bar": _number(row.bar, ".1e"),
         "reference": _number(row.reference, ".10g"),
         "digits": _number(row.digits, ".1f"),
+        "published digits": row.standing + (f": {row.finer.told}" if row.finer else ""),
         "bar holds": WORDS[row.holds],
         "segments": str(row.segments),
         "points": str(row.points),
@@ -78,7 +83,11 @@ def verdict(rows: Sequence[Row]) -> str:
     }
     bars = [row.holds for row in rows if row.holds is not None]
     told = ", ".join(f"{count} {word}" for word, count in counts.items())
-    return f"{len(rows)} problems: {told}, the error bar holds in {sum(bars)} of {len(bars)}"
+    standing = Counter(row.standing for row in rows if row.standing)
+    settled = standing[COMPLETE] + standing[FINE] + standing[EXCLUDED]
+    digits = f"all published digits in {settled} of {sum(standing.values())}"
+    how = f"{standing[COMPLETE]} by default, {standing[FINE]} by a finer solve, {standing[EXCLUDED]} where they are off"
+    return f"{len(rows)} problems: {told}, the error bar holds in {sum(bars)} of {len(bars)}; {digits} ({how})"
 
 
 def markdown(rows: Sequence[Row]) -> str:

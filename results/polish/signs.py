@@ -4,16 +4,19 @@ By Pontryagin's principle no other value of the control gives a lower H at any t
 
     by the integral of  max(0, H(bound) - H(u))  over t
 
-if the control moves to the best other value u; of an arc that should be on a bound, that is nothing.
+if the control moves to the best other value u; of an arc that should be on a bound, that is nothing. The slack
+variables of abs, min and max follow: of |y| = s1 + s2 with y = s1 - s2 one is y or -y, the other one zero. Where both
+are zero, y stays at its kink, and controls inside their bounds may want to leave that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from ...problems.quantities import Range
+from ...problems.problem import Phase
+from ...problems.quantities import Constraint, Range
 from ...transcription.solution.implicit import consistent_inputs
 from ...transcription.solution.trajectory import Trajectory
 
@@ -30,7 +33,7 @@ def worth_of_leaving(
     """What it would be worth to move each of some controls off its bound, the largest of all; infinite if not known.
 
     trajectory: a solved phase.
-    fixed: name of each control that is fixed -> "lower" or "upper".
+    fixed: name of each control that is fixed -> "lower" or "upper"; slack variables too.
     bounds: name -> the range that it has.
     sense: +1 if the objective is minimised, -1 if it is maximised.
     """
@@ -42,14 +45,23 @@ def worth_of_leaving(
     costate = sense * trajectory.point_costate[:, points]
     weights = mesh.weights[points] * (trajectory.final_time - trajectory.initial_time)
     there = _hamiltonian(trajectory, t, x, u, costate, sense)
-    worst = 0.0
-    for i, control in enumerate(phase.controls):
-        if control.name not in fixed:
+    pairs, worst = _slack(phase), 0.0
+    slack = {i for _, *pair in pairs for i in pair}
+    names = [control.name for control in phase.controls]
+    at_kink = any(names[plus] in fixed and names[minus] in fixed for _, plus, minus in pairs)
+    for i, name in enumerate(names):
+        if i in slack or not (name in fixed or at_kink):
             continue
-        for value in _others(bounds[control.name], fixed[control.name]):
+        others: Iterable[np.ndarray]
+        others = _others(bounds[name], fixed[name]) if name in fixed else _beside(bounds[name], u[i])
+        for value in others:
             moved = u.copy()
             moved[i] = value
             moved = consistent_inputs(phase, t, x, moved, trajectory.parameters)
+            for constraint, plus, minus in pairs:
+                y = constraint.function(phase.arguments(t, x, moved, trajectory.parameters), np)
+                y = y + moved[plus] - moved[minus]
+                moved[plus], moved[minus] = np.maximum(y, 0.0), np.maximum(-y, 0.0)
             gain = there - _hamiltonian(trajectory, t, x, moved, costate, sense)
             gain[~(_allowed(trajectory, t, x, moved) & np.isfinite(gain))] = 0.0
             worst = max(worst, float((weights * np.maximum(gain, 0.0)).sum()))
@@ -62,6 +74,21 @@ def _others(bounds: Range, on: str) -> np.ndarray:
     if not np.isfinite(other):
         other = bound + np.sign(other) * (1 + abs(bound))
     return bound + SHARES * (other - bound)
+
+
+def _beside(bounds: Range, own: np.ndarray) -> Iterator[np.ndarray]:
+    """Other values of a control inside its bounds, on both sides of its own, (N,)."""
+    for bound, away in ((bounds.lower, -1.0), (bounds.upper, 1.0)):
+        other = bound if np.isfinite(bound) else own + away * (1 + np.abs(own))
+        yield from (own + share * (other - own) for share in SHARES)
+
+
+def _slack(phase: Phase) -> list[tuple[Constraint, int, int]]:
+    """The constraints y - s1 + s2 = 0 of slack variables, each after those that its y stands on, and the rows of s1 and
+    s2 among the controls; they have the names that `nonsmooth.rewrite` gives them."""
+    row = {control.name: i for i, control in enumerate(phase.controls)}
+    named = [(c, row.get(f"{c.name}_plus"), row.get(f"{c.name}_minus")) for c in phase.path]
+    return [(c, plus, minus) for c, plus, minus in named if plus is not None and minus is not None]
 
 
 def _hamiltonian(

@@ -1,26 +1,30 @@
 """How often does `trajopt verify` fail a good result, and how often does it pass a bad one? Tables in Markdown.
 
-    python tests/benchmarks/verify_alarms.py [--folder DIR] [--only WORD] [--verbose]
+    python tests/benchmarks/verify_alarms.py [--folder DIR [--resume]] [--only WORD] [--workers N]
 
 Good results: the shipped problems and those of `known_optima`, each by several methods, refined as by default; and the
 shipped ones as they are. One counts as good if it is solved to its tolerance and, where the optimum is known, near it.
 Bad results: good ones that were tampered with (`tampering`), and extremals that are no optima (WRONG). A check that
-fails on a good result is a false alarm; a bad result that passes is a miss. --folder keeps the results of the solves
-there, so that another run only verifies; --only takes the cases whose name holds this word.
+fails on a good result is a false alarm; a bad result that passes is a miss. Each case is told as soon as it is judged,
+in an order that makes those so far a sample of all; the tables come at the end. --folder keeps the results of the
+solves and the verdicts there: another run only verifies, and with --resume only what has no verdict yet; --only takes
+the cases whose name holds this word.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import tempfile
 import time
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from zlib import crc32
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
@@ -44,6 +48,8 @@ SCHEDULED = ("block_move_min_work_smooth",)  # as many meshes as degrees of smoo
 SECONDS = 90  # for one solve
 NEAR = 1e-3  # of 1 + |J*|: a result this near to the optimum is one
 WANTED_ALARMS, WANTED_MISSES = 0.02, 0
+VERDICTS = "verdicts.jsonl"
+"""In the folder: a line for each case that was judged."""
 
 MAXIMUM = """
 time: {initial: 0, final: 1}
@@ -98,6 +104,16 @@ class Verdict:
     failed: list[str] = field(default_factory=list)
     tampered: dict[str, list[str]] = field(default_factory=dict)
     seconds: float = 0.0
+
+    @property
+    def told(self) -> str:
+        """In one line: why there is none, what failed on a good result, and what a bad one was passed for."""
+        if self.left_out:
+            return f"{self.job.name}: left out, {self.left_out.splitlines()[0]}"
+        own = "; ".join(self.failed) or "passed"
+        missed = "".join(f"; MISSED: {kind}" for kind, checks in self.tampered.items() if not checks)
+        wrong = bool(self.failed) != self.job.bad
+        return f"{'WRONG  ' * wrong}{self.job.name}: {own}{missed} ({self.seconds:.1f} s)"
 
 
 def jobs() -> list[Job]:
@@ -172,7 +188,24 @@ def run(job: Job, folder: Path) -> Verdict:
     return verdict
 
 
-def report(verdicts: list[Verdict], verbose: bool) -> bool:
+def judge(own: Sequence[Job], folder: Path, workers: int, resume: bool) -> list[Verdict]:
+    """The verdicts of all jobs, told and kept in the folder as they come."""
+    kept = folder / VERDICTS
+    lines = kept.read_text().splitlines() if resume and kept.exists() else []
+    known = {told["name"]: told for told in map(json.loads, lines)}
+    verdicts = {job.name: Verdict(job, **known[job.name]["verdict"]) for job in own if job.name in known}
+    waiting = [job for job in own if job.name not in verdicts]
+    with ProcessPoolExecutor(workers) as pool, kept.open("a" if resume else "w") as file:
+        for future in as_completed([pool.submit(run, job, folder) for job in waiting]):
+            verdict = future.result()
+            verdicts[verdict.job.name] = verdict
+            told = {key: value for key, value in asdict(verdict).items() if key != "job"}
+            print(json.dumps({"name": verdict.job.name, "verdict": told}), file=file, flush=True)
+            print(f"{len(verdicts):4d}/{len(own)}  {verdict.told}", flush=True)
+    return [verdicts[job.name] for job in own]
+
+
+def report(verdicts: list[Verdict]) -> bool:
     """Print the tables; whether the rates are as wanted."""
     good = [v for v in verdicts if not v.job.bad and not v.left_out]
     alarms = [v for v in good if v.failed]
@@ -191,8 +224,6 @@ def report(verdicts: list[Verdict], verbose: bool) -> bool:
     bad = sum(map(len, kinds.values()))
     print("\nleft out:", "; ".join(f"{v.job.name} ({v.left_out})" for v in verdicts if v.left_out) or "none")
     print("missed:", "; ".join(missed) or "none")
-    if verbose:
-        print(*[f"{v.seconds:7.2f} s  {v.job.name}" for v in verdicts if not v.left_out], sep="\n")
     rate = len(alarms) / max(len(good), 1)
     met = rate <= WANTED_ALARMS and len(missed) <= WANTED_MISSES
     wanted = f"wanted: at most {100 * WANTED_ALARMS:.0f} %"
@@ -206,14 +237,16 @@ def main() -> None:
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--only", default="")
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--verbose", action="store_true")
+    parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
+    if arguments.resume and not arguments.folder:
+        parser.error("--resume needs the --folder of the run before")
     own = [job for job in jobs() if arguments.only in job.name]
+    own.sort(key=lambda job: crc32(job.name.encode()))
     with tempfile.TemporaryDirectory() as scratch:
         folder = arguments.folder or Path(scratch)
         folder.mkdir(parents=True, exist_ok=True)
-        with ProcessPoolExecutor(arguments.workers) as pool:
-            met = report(list(pool.map(partial(run, folder=folder), own)), arguments.verbose)
+        met = report(judge(own, folder, arguments.workers, arguments.resume))
     sys.exit(0 if met else 1)
 
 

@@ -211,6 +211,34 @@ CHAINS = [
         "model.forces.0.link",
         "did you mean pole?",
     ),
+    chain(
+        "a loop on no link",
+        "  links:",
+        "  loops: [{link: pol}]\n  links:",
+        "model.loops.0.link",
+        "did you mean pole?",
+    ),
+    chain(
+        "a loop that holds all",
+        "  links:",
+        "  loops: [{link: pole, x: 1}, {link: bob}]\n  links:",
+        "model.loops",
+        "nothing is left",
+    ),
+    chain(
+        "a loop to itself",
+        "  links:",
+        "  loops: [{link: pole, to: pole}]\n  links:",
+        "model.loops.0.to",
+        "pinned to itself",
+    ),
+    chain(
+        "a loop to two places",
+        "  links:",
+        "  loops: [{link: pole, to_at: 1}]\n  links:",
+        "model.loops.0.to_at",
+        "a point of a link, and the loop goes to base",
+    ),
     walker("a foot that is none", "foot: swing", "foot: toe", "model.step.foot", "the links are stance, swing"),
     walker(
         "a leg that is none", "[[stance, swing]]", "[[stanze, swing]]", "model.step.swap.0.0", "did you mean stance?"

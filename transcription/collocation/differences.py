@@ -30,11 +30,11 @@ from .place import Place, Values
 def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
     """Why a phase or a mesh is none for finite differences.
 
-    problem: not looked at; all methods are asked with the same arguments.
+    problem: none with states at earlier times.
     phase: its states must be positions with a second derivative, and their velocities.
     mesh: must have two or more segments, all of one width.
     """
-    yield from no_delays(phase, "finite-difference")
+    yield from no_delays(problem, "finite-difference")
     if phase.measured:
         what = "finite differences have no velocities among their unknowns, and no knots where something is measured"
         yield Mistake("mesh", what, "take another method, such as radau or hermite-simpson")

@@ -75,6 +75,9 @@ def by_model(
         BUILDERS[mesh.schemes[0].kind](block, p, own, phase, mesh)
         for block, own, phase, mesh in zip(blocks, data, problem.phases, meshes, strict=True)
     ]
+    by_name = {builder.phase.name: builder for builder in builders}
+    for builder in builders:
+        builder.before = by_name.get(builder.phase.before)
     with templated() if forms else nullcontext():
         for builder, curves in zip(builders, guess, strict=True):
             builder.variables(curves)

@@ -62,6 +62,15 @@ class Goal:
         return f"the error bar {self.error.bar:.1e} is above the {self.tolerance * self.size:.1e} asked for"
 
     @property
+    def beyond_engine(self) -> str:
+        """Why no finer mesh would help where the bar is what the engine's barrier leaves, once that is as small as the
+        engine can have it; "" elsewhere, and if the goal is reached.
+        """
+        if self.reached or not self.error.applies or self.error.gap <= self.error.bar:
+            return ""
+        return f"{self.missed}: it is what the engine's barrier leaves at the bounds, and a finer mesh has more of them"
+
+    @property
     def unreachable(self) -> str:
         """Why no finer mesh would help, or "" if the goal is reached."""
         more = ", and no finer mesh mends that: lower the tolerance of the engine (--tol)"

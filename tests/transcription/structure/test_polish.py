@@ -95,7 +95,7 @@ WHY_NOT = [
     ("discrete_move", "no continuous time"),
     ("biped", ""),
     (ONE + "complementarity: [{a: x, b: 1 - u}]\n", "complementarity"),
-    ("block_move_min_work", "abs, min and max"),
+    ("block_move_min_work", ""),
     ("delayed_system", "states at earlier times"),
     ("gas_oil_cracking", "measurements"),
     ("warming_motor", r"t[initial], t[final] or t[duration]"),
