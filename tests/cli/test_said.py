@@ -59,9 +59,7 @@ def test_what_is_odd_is_told(text, words):
 
 
 def test_an_end_that_the_dynamics_keep_away_is_a_mistake():
-    with pytest.raises(
-        SpecError, match="final values cannot be reached: the dynamics keep x, which is 0 at the initial"
-    ):
+    with pytest.raises(SpecError, match="final values cannot be reached: the dynamics keep x, which is 0"):
         load_yaml(FILE.replace("rate: v, initial: 0", "rate: 0, initial: 0"), file="s.yaml")
 
 
