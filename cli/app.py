@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 from importlib import import_module
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
+
+from .words import as_typed
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # that it made itself a cache folder, if the home is no place
 
@@ -35,8 +37,18 @@ COMMANDS = {
 """The module of each command, in the order of `--help`. Its function has the command's name; of `list`, `list_`."""
 
 
+class Command(TyperCommand):
+    """One command, whose words are taken as they were typed."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        return as_typed(super().get_params(ctx))
+
+
 class Commands(TyperGroup):
     """The commands; each is imported when it is asked for: modules and options of all take longer than a solve."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        return as_typed(super().get_params(ctx))
 
     def list_commands(self, ctx: typer.Context) -> list[str]:  # type: ignore[override]  # typer's own, not click's
         return list(COMMANDS)
@@ -51,7 +63,7 @@ class Commands(TyperGroup):
 def _loaded(name: str):  # type: ignore[no-untyped-def]
     module = import_module(f".{COMMANDS[name]}", __package__)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    alone.command(name=name)(getattr(module, "list_" if name == "list" else name))
+    alone.command(name=name, cls=Command)(getattr(module, "list_" if name == "list" else name))
     return typer.main.get_command(alone)
 
 

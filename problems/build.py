@@ -26,7 +26,7 @@ from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import shared_names, through_phases
 from .phases.links import in_order, links_of
 from .phases.merge import home, phase_specs
-from .phases.order import own_entries, with_left_out
+from .phases.order import before_in_time, own_entries, with_left_out
 from .problem import Phase, Problem
 from .quantities import Complementarity, Constraint, Delayed, Function, Output, Range, State, Variable
 from .schema.fields import Bounded
@@ -56,7 +56,9 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
     )
-    phases = list(map(with_delayed, phases))
+    if any(phase.delayed for phase in phases):
+        before = before_in_time(spec)
+        phases = with_delayed([replace(phase, before=before.get(phase.name, "")) for phase in phases])
     made = [own for builder in builders.values() for own in (*builder.times(), *builder.rewritten.parameters)]
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(

@@ -11,7 +11,6 @@ from .errors import FileError, Mistake, SpecError
 from .files import check_writable, replacing
 from .lean.records import dataclass
 from .text import did_you_mean, shorten
-from .yaml.document import read_document
 
 _FOLDER = Path(__file__).parent
 TEMPLATE = "template"
@@ -40,6 +39,8 @@ def listed() -> dict[str, Listed]:
 
     Nothing is checked: to load all of them takes twenty times as long, and the tests do that.
     """
+    from .yaml.document import read_document
+
     return {
         name: _listed(read_document(path.read_text(encoding="utf-8"), path.name).data)
         for name, path in shipped().items()
@@ -121,6 +122,8 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
 
 def files_of(text: str) -> list[str]:
     """The CSV files that a problem file names, in its folder; none of one that cannot be read."""
+    from .yaml.document import read_document
+
     try:
         data = read_document(text, "").data
     except SpecError:

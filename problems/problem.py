@@ -24,7 +24,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .expressions.expression import Together, together
-from .lean.records import dataclass
+from .lean.records import dataclass, only_fields
 from .quantities import Complementarity, Constraint, Delayed, Function, Measured, Output, Range, State, Variable
 from .text import short_repr, shorten
 
@@ -73,7 +73,8 @@ class Phase:
     """One phase: its own time, states, controls and constraints.
 
     time_unit: the unit of time. complementarity: what path constraints among the others are relaxed to.
-    delayed: the states that are asked for at earlier times; then both times are fixed.
+    delayed: the states that are asked for at earlier times. before: the phase whose time goes on in this one,
+    in which they are read before its initial time; else there is their history.
     steps: in discrete time the number of steps, each of duration 1; 0 where time is continuous. The rate of a state is
     then its change in a step, x[k + 1] - x[k], and the integral of w the sum of w over all points but the last.
     outputs: name -> what no equation of the problem needs, for those who look at a solution.
@@ -92,6 +93,7 @@ class Phase:
     guess: Guess
     algebraic: tuple[Variable, ...] = ()
     delayed: tuple[Delayed, ...] = ()
+    before: str = ""
     residuals: tuple[Constraint, ...] = ()
     path: tuple[Constraint, ...] = ()
     complementarity: tuple[Complementarity, ...] = ()
@@ -107,6 +109,8 @@ class Phase:
     kept: tuple[str, ...] = ()
     follows: tuple[str, ...] = ()
     implied: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    __getstate__ = only_fields
 
     def times_in(self, curves: Curves) -> dict[str, float]:
         """The values of the parameters that are times of this phase, for curves that a solve may start from."""

@@ -12,6 +12,9 @@ import numpy as np
 from .lean.records import dataclass
 from .text import short_repr
 
+MAX_DEGREE, MAX_SUBSTEPS = 60, 1000
+"""Of a method: the degree on a segment, and the steps of a simulation on one."""
+
 Numeric = Any
 """A number, a NumPy array or a Pyomo expression: functions of a problem are written once, for all of them."""
 

@@ -27,7 +27,7 @@ from ..problems.text import did_you_mean, shorten
 from ..problems.yaml.locations import Finding
 from .settings import schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
-from .solve import solve
+from .solve import solve, with_elsewhere
 from .starts.near import Near, near
 
 SMALLEST = 1 / 64
@@ -61,13 +61,17 @@ def solve_spec(
     Raises SpecError as `solve.solve` does.
     """
     began = perf_counter()
-    if guess is not None or not (spec.continuation or any(_relaxed(spec))):
+    if guess is not None or is_direct(spec):
         how = schedule_of(spec), settings_of(spec)
         solution = solve(problems, *how, guess=guess, near=near, progress=progress, stop=stop)
     else:
         solution = _Way(spec, problems, progress, stop).walked()
-    told = sum(sum(record.seconds.values()) for record in solution.meshes)
-    return replace(solution, elsewhere=max(perf_counter() - began - told, 0.0))
+    return with_elsewhere(solution, began)
+
+
+def is_direct(spec: Spec) -> bool:
+    """Whether no other problem is solved on the way to that of the file."""
+    return not (spec.continuation or any(_relaxed(spec)))
 
 
 def way_of(spec: Spec) -> dict[str, list[float]]:

@@ -61,12 +61,12 @@ class MethodKind:
     kept: Callable[[Problem, Sequence[Mesh], Sequence[Curves]], Program] | None = None
 
 
-def no_delays(phase: Phase, method: str) -> Iterable[Mistake]:
-    """Why a phase is none for a method that takes no delays.
+def no_delays(problem: Problem, method: str) -> Iterable[Mistake]:
+    """Why a problem is none for a method that takes no delays.
 
-    phase: refused if it has states at earlier times.
+    problem: refused if any of its phases has states at earlier times, which may be in the one before.
     method: its name.
     """
-    if phase.delayed:
-        what = f"{method} cannot take a state at an earlier time, and {phase.delayed[0].name} is one"
+    if late := next((own.name for phase in problem.phases for own in phase.delayed), ""):
+        what = f"{method} cannot take a state at an earlier time, and {late} is one"
         yield Mistake("mesh", what, "write a collocation method, such as hermite-simpson or radau")

@@ -17,8 +17,8 @@ from .engines.table import engine_solve
 from .engines.watch import Watch
 from .failure.diagnose import diagnose
 from .layout import Transcription, bounded_start
+from .libraries.alone import building
 from .measured.knots import measured_fractions, with_knots
-from .program.alone import building
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
 from .refinement.unwound import unwound
@@ -31,6 +31,7 @@ from .solution.solution import MeshRecord, Solution
 from .solution.trajectory import trajectories
 from .starts.extreme import extreme_sizes
 from .starts.near import Near, solved_from
+from .starts.settled import MOST, SETTLED, has_moving, moved, unsettled
 from .starts.warm import Solved, warm_start
 from .transcribe import program, with_costates
 
@@ -83,7 +84,7 @@ def solve_mesh(
     A large mesh with no guess but the problem's own starts from the solution on a coarse one; or from the guess after
     all if that leads to none. The solution's history tells of every solve.
     """
-    run = partial(_run, problem, tolerance=tolerance, settings=settings)
+    run = partial(_settled if has_moving(problem) else _run, problem, tolerance=tolerance, settings=settings)
     coarse = _coarse(problem, meshes) if settings.coarse_start and start.guess is None else None
     if not coarse:
         return run(meshes, start=start, watch=watch)
@@ -107,6 +108,23 @@ def _coarse(problem: Problem, meshes: Sequence[Mesh]) -> list[Mesh] | None:
     if len(coarse) < len(meshes):
         return None
     return [with_knots(mesh, measured_fractions(phase)) for mesh, phase in zip(coarse, problem.phases, strict=True)]
+
+
+def _settled(
+    problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Origin, watch: Watch
+) -> Found:
+    """As `_run`, again until the times for which states at earlier times are read are those that are found."""
+    again = partial(_run, problem, meshes, tolerance=tolerance, settings=settings)
+    found = again(start=start, watch=watch)
+    before: Sequence[Curves] = start.guess or [phase.guess for phase in problem.phases]
+    for number in range(1, MOST):
+        solution, solved = found
+        if not solution.status.usable or moved(problem, before, solution.trajectories) <= SETTLED:
+            return found
+        before = solution.trajectories
+        found = in_place(found, again(start=Origin(before, solved, start.damping), watch=watch.next(number)))
+    shift = moved(problem, before, found[0].trajectories)
+    return found if shift <= SETTLED else (replace(found[0], notes=(*found[0].notes, unsettled(shift))), found[1])
 
 
 @np.errstate(all="ignore")  # what is not finite is told by the status, not by warnings of NumPy's

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..problems.lean.records import dataclass
-from ..problems.phases.merge import phase_specs
 from ..problems.problem import Phase, Problem
-from ..problems.schema.solving import Engine, MeshEntry
-from ..problems.schema.spec import Spec
 from .engines.outcome import Status
 from .measured.knots import measured_fractions, with_knots
 from .schemes.discrete import DISCRETE, STATIC
 from .schemes.mesh import Mesh
 from .schemes.table import find
+
+if TYPE_CHECKING:  # pydantic
+    from ..problems.schema.solving import Engine, MeshEntry
+    from ..problems.schema.spec import Spec
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,8 @@ def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:
 
     Raises SpecError for an unknown method.
     """
+    from ..problems.phases.merge import phase_specs
+
     return list(zip(*(steps(own.mesh) for own in phase_specs(spec).values()), strict=True))
 
 

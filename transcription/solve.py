@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
+from time import perf_counter
 
 from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
@@ -73,6 +74,16 @@ def solve(
     the engine cannot take its program.
     """
     return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None, near=near))
+
+
+def with_elsewhere(solution: Solution, began: float) -> Solution:
+    """The solution, with the seconds since `began` that none of its meshes has.
+
+    solution: of one solve or of several.
+    began: `time.perf_counter` at the start of the first.
+    """
+    told = sum(sum(record.seconds.values()) for record in solution.meshes)
+    return replace(solution, elsewhere=max(perf_counter() - began - told, 0.0))
 
 
 class _Loop:

@@ -1,7 +1,7 @@
 """The three kinds of methods: how a problem is transcribed by each, and how costates are read from its multipliers.
 
 What a method says of one segment is in `schemes.segment.Segment`; here is what is made of a whole problem. Shooting is
-imported when it is used.
+imported when it is used, and so is Pyomo.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ import numpy as np
 
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
-from .collocation import kept, model
-from .collocation.delays import refused_by_collocation
-from .collocation.differences import refused_by_differences
+from .collocation import kept
 from .collocation.numbers import numbers
+from .collocation.refused import refused_by_collocation, refused_by_differences
 from .dual.end_masses import without_end_masses
 from .engines.outcome import Outcome
 from .layout import Transcription
@@ -39,6 +38,18 @@ Schedule = Sequence[Step | Sequence[Step]]
 
 Planned = tuple[Problem, list[Mesh], float]
 """The problem, the mesh of each phase and the tolerance of a solve."""
+
+
+def _by_model(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], templates: bool) -> Transcription:
+    from .collocation.model import by_model  # Pyomo, which a program that is kept does not need
+
+    return by_model(problem, meshes, guess, templates)
+
+
+def _compiled_model(transcription: Transcription) -> NonlinearProgram:
+    from .collocation.model import compiled_model
+
+    return compiled_model(transcription)
 
 
 def _shooting() -> MethodKind:
@@ -62,9 +73,9 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
     "collocation": lambda: MethodKind(
-        refused_by_collocation, model.by_model, model.compiled_model, costates, numbers, kept.program
+        refused_by_collocation, _by_model, _compiled_model, costates, numbers, kept.program
     ),
-    "differences": lambda: MethodKind(refused_by_differences, model.by_model, model.compiled_model, costates, numbers),
+    "differences": lambda: MethodKind(refused_by_differences, _by_model, _compiled_model, costates, numbers),
     "shooting": _shooting,
 }
 

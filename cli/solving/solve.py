@@ -7,17 +7,17 @@ import os
 import shlex
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import PIPES, make_folder
 from ...problems.lean.records import dataclass
-from ...transcription.loading import STDIN, build_checked, load_all
+from ...transcription.loading import STDIN
 from ..errors import NOT_SOLVED, TOLERANCE_MISSED, command
 from ..options import Files, Force, Json, Method, Quiet, Segments, Set, overrides
 from ..output.printing import one_line, print_json
@@ -25,8 +25,8 @@ from ..signals import Stop
 from ..streams import native_output, piped_text, refuse_standard_output
 
 if TYPE_CHECKING:
-    from ...problems.problem import Guess, Problem
-    from ...problems.schema.spec import Spec
+    from ...problems.problem import Guess
+    from ...transcription.files.ready import Ready
     from ...transcription.solution.solution import Solution
 
 Output = Annotated[
@@ -89,13 +89,15 @@ def solve(
         what = "with --guess there is one start, the result's"
         raise SpecError(Mistake("--starts" if starts else "--seed", what, "leave out one of the two options"))
     given = overrides(set_, method, segments, tol, refine, time_limit, accuracy, starts, seed)
-    specs = load_all(files, given, piped_text(files))
+    from ...transcription.files.ready import ready_all  # NumPy, which `--help` needs not
+
+    problems = ready_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
         logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
     code = 0
     with Stop() as stop:
-        jobs = _jobs(specs, _targets(specs, output), guess, force)
+        jobs = _jobs(problems, _targets(problems, output), guess, force)
         if not quiet:
             _warn(jobs, guess)
         for job in jobs:
@@ -120,35 +122,33 @@ def _warn(jobs: list[_Job], guess: Path | None) -> None:
     """What is odd in the files, and what the result to start from lacks; each once."""
     from ...results.file.guess import lacking
 
-    odd = [warning for job in jobs for warning in job.spec.warnings]
-    missing = [warning for job in jobs for warning in lacking(guess, job.problems[0])] if guess else []
+    odd = [warning for job in jobs for warning in job.ready.warnings]
+    missing = [warning for job in jobs for warning in lacking(guess, job.ready.problems[0])] if guess else []
     for warning in dict.fromkeys([*odd, *missing]):
         print(f"warning: {one_line(str(warning))}", file=sys.stderr)
 
 
 @dataclass(frozen=True)
 class _Job:
-    spec: Spec
-    problems: list[Problem]
+    ready: Ready
     target: Path
     guess: list[Guess] | None
     force: bool
-    overrides: Mapping[str, Any]
 
 
-def _targets(specs: list[Spec], output: str | None) -> list[Path]:
+def _targets(problems: list[Ready], output: str | None) -> list[Path]:
     """Where each result goes; two problems may not go to one file."""
     names = [
-        "stdin.h5" if spec.file == STDIN or spec.file.startswith(PIPES) else Path(spec.file).stem + ".h5"
-        for spec in specs
+        "stdin.h5" if own.file == STDIN or own.file.startswith(PIPES) else Path(own.file).stem + ".h5"
+        for own in problems
     ]
     refuse_standard_output(output, "a result is an HDF5 file", "print numbers with --json or trajopt table FILE -o -")
     if output is not None and output.endswith(os.sep):
         make_folder(Path(output))
     if output is not None and not Path(output).is_dir():
-        if len(specs) == 1:
+        if len(problems) == 1:
             return [Path(output)]
-        what = f"this is no folder, but there are {len(specs)} problems"
+        what = f"this is no folder, but there are {len(problems)} problems"
         raise SpecError(Mistake(f"-o {output}", what, f"write -o {output}/ for a folder, which is made"))
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -156,28 +156,23 @@ def _targets(specs: list[Spec], output: str | None) -> list[Path]:
     return [Path(output or "") / name for name in names]
 
 
-def _jobs(specs: list[Spec], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
-    """All that can go wrong with the files goes wrong here, before the first problem is solved."""
+def _jobs(problems: list[Ready], targets: list[Path], guess: Path | None, force: bool) -> list[_Job]:
+    """All that can go wrong with result files goes wrong here, before the first problem is solved."""
     from ...results.file.guess import guess_from
     from ...results.file.write import check_target
 
     jobs = []
-    for spec, problems, target in zip(specs, build_checked(specs), targets, strict=True):
-        check_target(target, spec.name, force)
-        jobs.append(
-            _Job(spec, problems, target, guess_from(guess, problems[0]) if guess else None, force, spec.overrides)
-        )
+    for own, target in zip(problems, targets, strict=True):
+        check_target(target, own.name, force)
+        jobs.append(_Job(own, target, guess_from(guess, own.problems[0]) if guess else None, force))
     return jobs
 
 
 def _solved(job: _Job, stop: Callable[[], bool], quiet: bool, verbose: bool) -> Solution:
-    from ...transcription.continuation import solve_spec
     from ..output.progress import live_line, print_iteration
 
-    spec = job.spec
-    with native_output(2), live_line(spec.name, wanted=not (quiet or verbose)) as line:
-        progress = print_iteration if verbose else line
-        return solve_spec(spec, job.problems, guess=job.guess, progress=progress, stop=stop)
+    with native_output(2), live_line(job.ready.name, wanted=not (quiet or verbose)) as line:
+        return job.ready.solve(guess=job.guess, progress=print_iteration if verbose else line, stop=stop)
 
 
 def _polished(
@@ -185,11 +180,14 @@ def _polished(
 ) -> tuple[_Job, Solution]:
     """The solution in phases by its arcs, and the job with their file; both as they are where that is no better."""
     from ...results.polish.polish import polish
+    from ...transcription.files.ready import ready
     from ..output.progress import live_line, print_iteration
 
-    with native_output(2), live_line(job.spec.name, wanted=not (quiet or verbose)) as line:
-        found = polish(job.spec, solution, print_iteration if verbose else line, stop)
-    return replace(job, spec=found.spec), found.solution
+    own = job.ready
+    with native_output(2), live_line(own.name, wanted=not (quiet or verbose)) as line:
+        found = polish(own.spec(), solution, print_iteration if verbose else line, stop)
+    better = ready(found.spec, own.problems)
+    return replace(job, ready=replace(better, overrides=own.overrides)), found.solution
 
 
 def _kept(job: _Job, solution: Solution) -> Path:
@@ -199,11 +197,12 @@ def _kept(job: _Job, solution: Solution) -> Path:
     """
     from ...results.file.write import place_for, write
 
-    place = job.target if job.force else place_for(job.target, job.spec.name, solution.solved)
+    own = job.ready
+    place = job.target if job.force else place_for(job.target, own.name, solution.solved)
     if place != job.target:
         kept = f"{job.target} holds a solution and is kept (--force replaces it); this result is in {place}"
         print(f"note: {one_line(kept)}", file=sys.stderr)
-    told = job.spec.text, job.spec.model_dump_json(), shlex.join(["trajopt", *sys.argv[1:]]), job.overrides
+    told = own.text, own.full, shlex.join(["trajopt", *sys.argv[1:]]), own.overrides
     try:
         write(place, solution, *told)
     except FileError as error:

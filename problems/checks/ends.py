@@ -1,6 +1,6 @@
 """The ends of time: what is given there must not contradict what holds at every time, nor lack what comes before.
 
-Path constraints have to hold there; states at earlier times need a history, given times, and one phase.
+Path constraints have to hold there; states at earlier times need a history.
 """
 
 from __future__ import annotations
@@ -74,21 +74,16 @@ def _asked(bounds: Range) -> str:
     return str(bounds) if isfinite(bounds.lower) else f"at most {bounds.upper:.6g}"
 
 
-def delay_mistakes(spec: Spec, symbols: Symbols, alone: bool) -> Iterator[Finding]:
+def delay_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Why states of a phase cannot be taken at earlier times.
 
     spec: of the phase.
     symbols: its names.
-    alone: whether it is the only phase.
     """
     delays = list(symbols.delayed.values())
     if not delays:
         return
     first = delays[0]
-    if not alone:
-        what = f"{first.name}: with phases, states cannot be taken at earlier times: those are in the phase before"
-        yield Finding(first.path, what, "write one phase, with what differs in time as a function of t, such as step")
-        return
     states = {state.name: state for state in symbols.states}
     for name in dict.fromkeys(own.state for own in delays):
         if states[name].entry.history is None:
@@ -96,13 +91,6 @@ def delay_mistakes(spec: Spec, symbols: Symbols, alone: bool) -> Iterator[Findin
             what = f"{asked} needs {name} before the initial time, and {name} has no history"
             remedy = f"add history: to {name}, a number or an expression of t, such as history: 1"
             yield Finding(states[name].path, what, remedy)
-    for end in ("initial", "final"):
-        if getattr(spec.time, end).value is None:
-            what = f"the {end} time is free, and {first.name} is interpolated on a mesh at given times"
-            remedy = (
-                f"give it a value, and sweep over it to see which is best: trajopt sweep FILE --over time.{end}=2:4:9"
-            )
-            yield Finding(("time", end), what, remedy)
     for own in delays:
         if spec.discrete and own.lag % 1:
             what = f"{own.name}: in discrete time a state has values at whole steps, and the delay is {own.lag:g}"

@@ -64,7 +64,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
     checker.errors += timeless.mistakes(spec, checker.numbers)
-    checker.errors += delay_mistakes(spec, checker.symbols, phase == ALONE)
+    checker.errors += delay_mistakes(spec, checker.symbols)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
         checker.errors += structure.scaling_mistakes(spec, checker.symbols)
@@ -176,7 +176,9 @@ class _Checker:
         initial, final = ranges["initial"], ranges["final"]
         if initial and final and final.upper <= initial.lower:
             what = f"the final time {final} is not after the initial time {initial}"
-            self.error(("time", "final"), what, "make the final time larger")
+            nothing = not self.alone and final.upper == initial.lower
+            remedy = "leave this phase out, with what it says under links:" if nothing else "make the final time larger"
+            self.error(("time", "final"), what, remedy)
             return
         first, last = (self.time_guess(end, entries[end], ranges[end]) for end in ("initial", "final"))
         if first is not None and last is not None and first >= last:

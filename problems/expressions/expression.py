@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..lean.records import dataclass
+from ..lean.records import dataclass, only_fields
 from ..quantities import Function
 from ..text import shorten, tidy
 from .evaluation import Fault, Walk, first_fault
@@ -41,6 +41,8 @@ class Expression:
     def __call__(self, values: Mapping[str, Any], functions: Any) -> Any:
         """The value; `functions` is numpy or pyomo.core. A parameter among the values is not taken for its number."""
         return self.tape(values, functions)[0]
+
+    __getstate__ = only_fields  # a tape is made of functions, which have no pickle
 
     def bind(
         self,

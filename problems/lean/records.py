@@ -83,3 +83,12 @@ def _set_once(self: Any, name: str, value: object) -> None:
 
 def _keep(self: Any, name: str) -> None:
     raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
+
+
+def only_fields(record: Any) -> dict[str, Any]:
+    """The `__getstate__` of a record that is pickled without what it has worked out (`cached_property`).
+
+    record: of one of these classes.
+    """
+    own = vars(record)
+    return {name: own[name] for name in record.__dataclass_fields__ if name in own}

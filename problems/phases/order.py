@@ -81,6 +81,13 @@ def goes_on_in_time(spec: Spec, own: Passage) -> bool:
     return TIME not in own.left_out and _forward(list(own_entries(spec)), own)
 
 
+def before_in_time(spec: Spec) -> dict[str, str]:
+    """Phase -> the phase whose time goes on in it, where there is one."""
+    before = forward(spec)
+    on = [own for own in passages(spec) if goes_on_in_time(spec, own)]
+    return {own.target: own.source for own in on if before.get(own.target) == own.source}
+
+
 def expression_links(spec: Spec) -> Iterator[tuple[int, LinkEntry]]:
     """The links that are expressions, with their numbers in the file."""
     return ((i, link) for i, link in enumerate(spec.links) if link.expression is not None)

@@ -24,11 +24,10 @@ from pydantic_core import PydanticCustomError
 
 from ..expressions.expression import Expression, parse
 from ..expressions.tokens import ExpressionError
-from ..quantities import LARGEST_NUMBER
+from ..quantities import LARGEST_NUMBER, MAX_DEGREE
 from ..text import unprintable
 from ..yaml.document import in_words, scalar
 
-MAX_DEGREE = 60
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
 MAX_TAG = 40  # letters

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, get_args
 
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator, model_validator
 
+from ..quantities import MAX_SUBSTEPS
 from ..text import brief, did_you_mean
 from ..wishes.values import method_meant
 from ..yaml.document import in_words
 from .fields import MAX_SEGMENTS, Degree, Entry, Number, Option, Segments, Text, mistake
 
 MAX_MESHES = 100
-MAX_SUBSTEPS = 1000
 MAX_POINTS = 2_000_000  # of a mesh: some 200 MB before any unknown has a place
 MAX_STARTS = 10_000
 MAX_STEPS = 1000  # of a continuation

@@ -55,7 +55,7 @@ class Past:
             return float(self.trajectory.earlier(own, np.array([t]))[0])
         earlier = t - own.lag
         if earlier < self.trajectory.t[0]:
-            return float(own.before(np.array([earlier]))[0])
+            return float(self.trajectory.past(own, np.array([earlier]))[0])
         if not self.pieces:  # the first step ends where the history does
             return float(self.trajectory.x[row, 0])
         return float(self.pieces[max(bisect_right(self.starts, earlier) - 1, 0)](earlier)[row])

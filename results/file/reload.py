@@ -23,6 +23,7 @@ from ...transcription.schemes.mesh import Mesh
 from ...transcription.schemes.table import find
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
+from ...transcription.starts.settled import has_moving
 from ...transcription.transcribe import compiled, transcribe, with_costates
 from .arrays import bar_of, meshes_of
 from .door import DAMAGED, open_result, stored_problem
@@ -116,6 +117,9 @@ def reload(path: Path) -> Reloaded:
             raise _unlike(path, "its phases are not those of its problem")
         if (len(outcome.z), len(outcome.y)) != (len(transcription.variables), len(nlp.cl)):
             raise _unlike(path, "the solver's point is not one of its problem on its mesh")
+        if has_moving(problem):  # the rows are those of the times that were found
+            transcription = transcribe(problem, records[-1].grids, trajectories(transcription, outcome.z))
+            nlp = compiled(transcription)
     with np.errstate(all="ignore"):  # a point that is not finite is told by what looks at it
         phases = with_costates(transcription, nlp, outcome, trajectories(transcription, outcome.z))
     return Reloaded(spec, problem, transcription, nlp, outcome, phases, objective, solved, overrides, records)

@@ -45,6 +45,13 @@ PHASES = [
     edit("a phase of no name", "  first:\n", "  1st:\n", "phases.1st", "use a letter"),
     edit("a phase of a reserved name", "  first:\n", "  for:\n", "phases.for", "meaning of its own"),
     edit("a phase that is a number", "    time: {final: 60}", "    time: 3", "phases.first.time", "must be a mapping"),
+    edit(
+        "a phase of no duration",
+        "    parameters: {T: 1.0e5}\n",
+        "    time: {initial: 60, final: 60}\n    parameters: {T: 1.0e5}\n",
+        "phases.second.time.final",
+        "leave this phase out, with what it says under links:",
+    ),
     edit("a misspelt key of a phase", "    mesh: [", "    mehs: [", "phases.second.mehs", "did you mean mesh?"),
     edit("a key of the file in a phase", "    mesh: [", "    solver: [", "phases.second.solver", "the keys here are"),
     edit("a method of a phase", "method: radau", "method: radua", "phases.second.mesh.0.method", "did you mean radau?"),

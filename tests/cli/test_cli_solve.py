@@ -131,7 +131,7 @@ def test_output_file_and_folder(folder):
         (["shot_put", "-o", "/dev/full", "--force"], 3, "it is no ordinary file"),
         (["shot_put", "-o", "/proc/a.h5"], 3, "its folder cannot be written"),
         (["shot_put", "--guess", "no.h5"], 3, "no.h5: there is no such file"),
-        (["shot_put", "--guess", "shot_put.yaml"], 3, "it cannot be read as HDF5"),
+        (["shot_put", "--guess", "shot_put.yaml"], 2, "shot_put.yaml"),
     ],
 )
 def test_outputs_that_are_refused_before_any_work(folder, arguments, code, words):

@@ -39,7 +39,7 @@ PARTS = [("scipy.sparse.linalg", "scipy.stats"), ("matplotlib", "matplotlib.pypl
 @pytest.mark.parametrize("first", [True, False])
 def test_a_part_of_a_library_brings_no_more_of_it_because_of_pyomo(imported, lacks, first):
     """Loaded before Pyomo, as tables and simulated guesses do, or after it; and it is there once."""
-    imports = [imported, "trajopt.transcription.solve"][:: 1 if first else -1]
+    imports = [imported, "trajopt.transcription.collocation.model"][:: 1 if first else -1]
     library = imported.partition(".")[0]
     script = f"""
 import sys, {imports[0]}

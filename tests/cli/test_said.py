@@ -10,6 +10,7 @@ import pytest
 from command_line import TRAJOPT, process, solved_once, trajopt
 
 from trajopt.cli.output import progress
+from trajopt.problems.errors import SpecError
 from trajopt.transcription.loading import load_yaml
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -45,17 +46,21 @@ def test_a_usual_file_is_not_odd():
         (FILE.replace("\nobjective", "\n  w: {lower: 0, upper: 1}\nobjective").replace(
             'terminal: "t[final]"', 'terminal: "t[final]", integral: w**2'),
          "10: controls.w: the control w stands in no rate"),
-        (FILE.replace("rate: v, initial: 0", "rate: 0, initial: 0"), "x cannot get from 0 to 1: its rate is 0"),
         (FILE.replace("rate: v, initial: 0", "rate: -2, initial: 0"), "x cannot get from 0 to 1: its rate is -2"),
         (FILE.replace("upper: twice}", "upper: }"), "controls.u.upper: upper: is empty, and counts as left out"),
         (WITHOUT, "controls.u: the control u has no bounds, and the time is to be short"),
         (FILE.replace("rate: u,", "rate: u - sin(x),").replace("x: {rate", "x: {unit: deg, rate"),
          "states.x.unit: x has the unit deg, but sin(x) takes it as radians"),
     ],
-    ids=["no rate", "rate 0", "wrong way", "empty", "no bounds", "degrees"],
+    ids=["no rate", "wrong way", "empty", "no bounds", "degrees"],
 )  # fmt: skip
 def test_what_is_odd_is_told(text, words):
     assert any(words in own for own in warnings(text)), warnings(text)
+
+
+def test_an_end_that_the_dynamics_keep_away_is_a_mistake():
+    with pytest.raises(SpecError, match="final values cannot be reached: the dynamics keep x, which is 0"):
+        load_yaml(FILE.replace("rate: v, initial: 0", "rate: 0, initial: 0"), file="s.yaml")
 
 
 def test_what_is_limited_otherwise_is_not_odd():

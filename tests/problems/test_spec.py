@@ -17,8 +17,7 @@ from trajopt.problems.errors import FileError
 from trajopt.problems.expressions.functions import smooth_names
 from trajopt.problems.language.json_schema import schema
 from trajopt.problems.load import load, load_text
-from trajopt.problems.quantities import Range
-from trajopt.problems.schema.fields import MAX_DEGREE
+from trajopt.problems.quantities import MAX_DEGREE, Range
 from trajopt.problems.schema.spec import Spec
 from trajopt.transcription.schemes.runge_kutta import TABLES
 from trajopt.transcription.schemes.table import DEFAULT_DEGREE, INTEGRAL_DEGREE

@@ -12,7 +12,7 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.results.file.write import write
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.scaling import scale
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solve import solve
@@ -39,7 +39,7 @@ def compiled(name: str):
     spec = load(shipped()[name])
     (problem,) = build_all(spec)[-1:]
     transcription = transcribe(problem, [steps(spec.mesh)[-1].mesh()])
-    return transcription, CompiledNLP(transcription.model, transcription.variables), bounded_start(transcription)[0]
+    return transcription, compile_model(transcription.model, transcription.variables), bounded_start(transcription)[0]
 
 
 def run(spec):
@@ -70,7 +70,7 @@ def test_a_steep_objective_is_flattened():
     spec = load_text(BAD_UNITS.replace("1.0e-3*mega)**2*mega", "1.0e-3*mega)**2*mega + 1.0e+9*x"), "bad.yaml")
     (problem,) = build_all(spec)
     transcription = transcribe(problem, [steps(spec.mesh)[0].mesh()])
-    nlp, z = CompiledNLP(transcription.model, transcription.variables), bounded_start(transcription)[0]
+    nlp, z = compile_model(transcription.model, transcription.variables), bounded_start(transcription)[0]
     scaling = scale(transcription, nlp, z, {})
     assert np.abs(scaling.objective * nlp.gradient(z) / scaling.z).max() == pytest.approx(100)
 

@@ -38,6 +38,7 @@ class PhaseBuilder(ABC):
         self.owners: dict[str, np.ndarray] = {}
         self.shared: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self.explicit_set: Any = None
+        self.before: PhaseBuilder | None = None  # of the phase whose time goes on in this one
 
     @abstractmethod
     def stored(self) -> tuple[list[str], np.ndarray]:

@@ -20,16 +20,13 @@ that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the obje
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ...problems.errors import Mistake
 from ...problems.lean.records import dataclass
-from ...problems.problem import Phase, Problem
 from ...problems.quantities import Delayed
 from ..constraint_kinds import DELAY
 from ..libraries.pyomo import Constraint, RangeSet, pyomo
@@ -38,24 +35,7 @@ from ..schemes.mesh import Mesh
 from ..schemes.polynomials import lagrange_basis
 from ..schemes.scheme import Scheme, collocation_scheme
 from .builder import PhaseBuilder
-
-ALIGNED = 1e-11
-"""Of the duration, or of a segment: a time this near to a knot, to a node, or to the initial time, is there."""
-
-
-def refused_by_collocation(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mistake]:
-    """Why a phase or a mesh is none for collocation.
-
-    problem: not looked at; all methods are asked with the same arguments.
-    phase: its states at earlier times need a value at every node of the segments.
-    mesh: of collocation schemes.
-    """
-    eliminated = [scheme.name for scheme in mesh.schemes if collocation_scheme(scheme).eliminated]
-    if phase.delayed and eliminated:
-        what = (
-            f"{eliminated[0]} has no unknowns in the middle of a segment, where {phase.delayed[0].name} looks for them"
-        )
-        yield Mistake("mesh", what, "write hermite-simpson, or another collocation method")
+from .moving import ALIGNED, add_moving, shares_of
 
 
 def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -111,7 +91,7 @@ def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
     and at the initial time the history.
     """
     points = mesh.collocated
-    earlier, (before, after) = mesh.fractions[points] - lag, _shares(mesh)[:, points]
+    earlier, (before, after) = mesh.fractions[points] - lag, shares_of(mesh)[:, points]
     past = earlier < np.where(after > 0, -ALIGNED, ALIGNED)
     point, s, before, after = (own[~past] for own in (points, np.maximum(earlier, 0.0), before, after))
     nearest = np.rint(np.interp(s, mesh.edges, np.arange(len(mesh.edges)))).astype(int)
@@ -132,17 +112,15 @@ def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
     return points[past], Rows(point, segment, node, A, G, knot, before, after)
 
 
-def _shares(mesh: Mesh) -> np.ndarray:
-    """What of the quadrature weight of each point lies before it and what after it, shape (2, K)."""
-    shares = np.full((2, len(mesh.fractions)), 0.5)
-    shares[0, mesh.knots] = np.append(0.0, mesh.slot_parts[mesh.offset + mesh.degrees])
-    shares[1, mesh.knots] = np.append(mesh.slot_parts[mesh.offset], 0.0)
-    return shares
-
-
 def add_delays(builder: PhaseBuilder) -> None:
     """Add the rows of all states at earlier times."""
-    times = builder.phase.initial_time.lower, builder.phase.final_time.lower  # both are given
+    if not builder.phase.delayed:
+        return
+    ends = builder.block.t0, builder.block.tF
+    if builder.before or not all(end.fixed for end in ends):
+        add_moving(builder)
+        return
+    times = [end.value for end in ends]
     duration = times[1] - times[0]
     for number, own in enumerate(builder.phase.delayed):
         past, rows = rows_of(builder.mesh, own.lag / duration)

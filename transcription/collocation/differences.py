@@ -10,44 +10,18 @@ With K equally spaced points, dt = (tF - t0) / (K - 1) and a(t, x, dx/dt, u) the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from ...problems.errors import Mistake
-from ...problems.problem import Curves, Phase, Problem
+from ...problems.problem import Curves
 from ...problems.quantities import Range, State
 from ..constraint_kinds import DEFECT
 from ..libraries.pyomo import RangeSet, pyomo
-from ..method_kind import no_delays
 from ..program.templates import item
-from ..schemes.mesh import Mesh
 from .builder import PhaseBuilder
 from .place import Place, Values
-
-
-def refused_by_differences(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[Mistake]:
-    """Why a phase or a mesh is none for finite differences.
-
-    problem: not looked at; all methods are asked with the same arguments.
-    phase: its states must be positions with a second derivative, and their velocities.
-    mesh: must have two or more segments, all of one width.
-    """
-    yield from no_delays(phase, "finite-difference")
-    if phase.measured:
-        what = "finite differences have no velocities among their unknowns, and no knots where something is measured"
-        yield Mistake("mesh", what, "take another method, such as radau or hermite-simpson")
-    positions = {state.velocity_of for state in phase.states}
-    alone = [state.name for state in phase.states if state.name not in positions and not state.velocity_of]
-    if alone:
-        what = f"finite-difference needs second-order dynamics, and '{alone[0]}' has none"
-        yield Mistake(
-            "mesh", what, f"give '{alone[0]}' accel: instead of rate:, or take another method; so for a named integral"
-        )
-    if mesh.segments < 2 or np.ptp(mesh.widths) > 1e-12:
-        what = "finite-difference needs two or more equal segments"
-        yield Mistake("mesh", what, "give segments: as a number, or take another method")
 
 
 class DifferenceBuilder(PhaseBuilder):

@@ -10,6 +10,8 @@ from ...problems.names.structure import Form, form_of
 from ...problems.probe import depends_on
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Range
+from ..layout import BETWEEN
+from ..method_kind import TIMES
 
 GROUPS = ("residuals", "path", "boundary", "integral")
 """The attributes of a phase that hold constraints."""
@@ -38,6 +40,22 @@ def forms_of(problem: Problem, values_only: bool = False) -> Forms:
         *(_shape_of_phase(phase) for phase in problem.phases),
     ]
     return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
+
+
+def numbers_of(problem: Problem, forms: Forms) -> dict[tuple[str, str], float]:
+    """The numbers of a problem that may be data of its program: (phase, or BETWEEN; name of a parameter, or of a time).
+
+    problem: any.
+    forms: of it.
+    """
+    found = {
+        (phase.name, name): bounds.lower
+        for phase in problem.phases
+        for name, bounds in zip(TIMES, (phase.initial_time, phase.final_time), strict=True)
+    }
+    for phase, form in zip(problem.phases, forms.phases, strict=True):
+        found |= {(phase.name, name): number for name, number in form.data.items()}
+    return found | {(BETWEEN, name): number for name, number in forms.links.data.items()}
 
 
 def form_of_phase(phase: Phase, values_only: bool = False) -> Form:

@@ -1,47 +1,50 @@
-"""Programs that are kept, to be solved again with other numbers.
+"""Programs that are kept, to be solved again with other numbers: in memory, and in the cache on the disk.
 
 What a nonlinear program is depends on the form of the problem's functions, on the meshes, and on which bounds there
 are. Everything else is numbers: the bounds themselves, given times, the parameters of the file (`problems.expressions.
 structure` says which of them are data), and the first trajectory. So the next case of a sweep, another start, or the
 same problem with its multipliers dropped has a program that differs in numbers from one that was made before.
 
-A program is kept only if its numbers, put together here, are exactly those that Pyomo had when it was made.
+A program is kept only if its numbers, put together here, are exactly those that Pyomo had when it was made. One that
+is read from the disk has no Pyomo model: nothing in a solve needs it, and Pyomo is not even loaded.
 """
 
 from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from functools import partial
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from ...problems.lean.records import dataclass
+from ...problems.expressions.expression import Expression
+from ...problems.lean.records import dataclass, only_fields
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Range
+from ..cache.kept import keep, load, name
 from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
+from ..libraries.alone import LOCK
 from ..method_kind import Program
-from ..program.alone import LOCK
-from ..program.compiler import CompiledNLP
+from ..program.compiled import CompiledNLP
 from ..schemes.mesh import Mesh
-from .forms import GROUPS, Forms, forms_of
-from .model import by_model, compiled_model
+from .forms import GROUPS, Forms, forms_of, numbers_of
 
 MOST, UNKNOWNS = 16, 50_000
 """Programs that are kept, and the unknowns of all of them: with its Pyomo model each takes 1 kB for an unknown."""
 
+ON_DISK = 10_000
+"""Unknowns of a program that is kept on the disk: larger ones solve for longer than they are made."""
+
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """A program and where its numbers are. data: slot -> the number of a problem that stands in it."""
+    """A program, and the transcription that it was made of; its numbers are replaced."""
 
     transcription: Transcription
     nlp: CompiledNLP
-    data: Mapping[int, Callable[[Problem, Forms], float]]
 
 
 _kept: OrderedDict[Hashable, Kept] = OrderedDict()
@@ -62,16 +65,73 @@ def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -
             _kept.move_to_end(key)
     if kept is not None:
         return _again(kept, problem, forms, guess)
+    on_disk = _name(problem, forms, meshes)
+    stored = load(on_disk)
+    if stored is not None:
+        kept = _restored(stored, problem, meshes)
+        _remember(key, kept)
+        return _again(kept, problem, forms, guess)
+    return _made(problem, meshes, guess, forms, key, on_disk)
+
+
+def _made(
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves], forms: Forms, key: Hashable, on_disk: str | None
+) -> Program:
+    """A new program, kept if it can be made again of numbers alone."""
+    from .model import by_model, compiled_model  # Pyomo
+
     transcription = by_model(problem, meshes, guess, templates=True)
     built = time.perf_counter()
     nlp = compiled_model(transcription)
     delays = any(phase.delayed for phase in problem.phases)  # their histories are numbers that no form tells
-    if not delays and nlp.n <= UNKNOWNS and (new := _kept_as(transcription, nlp, forms, guess)):
-        with LOCK:
-            _kept[key] = new
-            while len(_kept) > MOST or sum(own.nlp.n for own in _kept.values()) > UNKNOWNS:
-                _kept.popitem(last=False)
+    if not delays and nlp.n <= UNKNOWNS and _is_told_by_numbers(transcription, nlp, forms, guess):
+        kept = Kept(transcription, nlp)
+        _remember(key, kept)
+        if nlp.n <= ON_DISK:
+            keep(on_disk, _stored(kept))
     return Program(transcription, nlp, built)
+
+
+def _remember(key: Hashable, kept: Kept) -> None:
+    with LOCK:
+        _kept[key] = kept
+        while len(_kept) > MOST or sum(own.nlp.n for own in _kept.values()) > UNKNOWNS:
+            _kept.popitem(last=False)
+
+
+def _name(problem: Problem, forms: Forms, meshes: Sequence[Mesh]) -> str | None:
+    """The name in the cache of the program; None where a function is no expression, and only itself knows its form."""
+    phases = [own for phase in problem.phases for own in (*phase.over_time, *phase.at_ends)]
+    between = [*(link.function for link in problem.links), *([problem.mayer] if problem.mayer else [])]
+    if not all(isinstance(function, Expression) for function in (*phases, *between)):
+        return None
+    return name("program", (repr(forms.key), [_told(mesh) for mesh in meshes]))
+
+
+def _told(mesh: Mesh) -> tuple:
+    """All that a mesh is, by value: its schemes, which of them each segment has, and the widths."""
+    schemes = list(dict.fromkeys(mesh.schemes))
+    values = [{key: _value(own) for key, own in only_fields(scheme).items()} for scheme in schemes]
+    return values, [schemes.index(scheme) for scheme in mesh.schemes], mesh.widths.tobytes()
+
+
+def _value(of: Any) -> Any:
+    return (of.shape, of.dtype.str, of.tobytes()) if isinstance(of, np.ndarray) else repr(of)
+
+
+def _stored(kept: Kept) -> tuple:
+    """What is kept on the disk: without the model, the problem and the meshes, which the next one has itself."""
+    t = kept.transcription
+    families = tuple(replace(family, component=family.component.name) for family in t.families)
+    layouts = [{key: own for key, own in vars(layout).items() if key not in ("phase", "mesh")} for layout in t.phases]
+    return t.parameters, families, layouts, kept.nlp
+
+
+def _restored(stored: tuple, problem: Problem, meshes: Sequence[Mesh]) -> Kept:
+    parameters, families, layouts, nlp = stored
+    every = zip(problem.phases, meshes, layouts, strict=True)
+    placed = tuple(Layout(phase, mesh, **rest) for phase, mesh, rest in every)
+    return Kept(Transcription(problem, None, (), placed, parameters, families), nlp)
 
 
 def _again(kept: Kept, problem: Problem, forms: Forms, guess: Sequence[Curves]) -> Program:
@@ -81,7 +141,8 @@ def _again(kept: Kept, problem: Problem, forms: Forms, guess: Sequence[Curves]) 
     z, lower, upper = _unknowns(problem, layouts, old.parameters, guess)
     variables = tuple(map(Unknown, z.tolist(), zip(*map(_or_none, (lower, upper)), strict=True)))
     built = time.perf_counter()
-    numbers = {slot: number(problem, forms) for slot, number in kept.data.items()}
+    values = numbers_of(problem, forms)
+    numbers = {slot: values[key] for key, slot in kept.nlp.slots.items()}
     nlp = kept.nlp.with_numbers(numbers, *_bounds(problem, old, kept.nlp))
     return Program(replace(old, problem=problem, variables=variables, phases=layouts), nlp, built)
 
@@ -90,53 +151,22 @@ def _or_none(bounds: np.ndarray) -> list[float | None]:
     return [bound if isfinite(bound) else None for bound in bounds.tolist()]
 
 
-def _kept_as(transcription: Transcription, nlp: CompiledNLP, forms: Forms, guess: Sequence[Curves]) -> Kept | None:
-    """A new program with the places of its numbers; None if it cannot be made again of numbers alone."""
+def _is_told_by_numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms, guess: Sequence[Curves]) -> bool:
+    """Whether a new program can be made again of numbers alone."""
     problem = transcription.problem
     if not _told_apart(problem):
-        return None
-    data = dict(_data(transcription, nlp, forms))
+        return False
     told = [*_unknowns(problem, transcription.phases, transcription.parameters, guess)]
     told += _bounds(problem, transcription, nlp)
     had = [*bounded_start(transcription), nlp.cl, nlp.cu]
-    if not all(map(np.array_equal, told, had)):
-        return None
-    if any(number(problem, forms) != nlp.number(slot) for slot, number in data.items()):
-        return None
-    return Kept(transcription, nlp, data)
+    values = numbers_of(problem, forms)
+    return all(map(np.array_equal, told, had)) and all(values[key] == nlp.number(k) for key, k in nlp.slots.items())
 
 
 def _told_apart(problem: Problem) -> bool:
     """Whether every constraint can be found by its name."""
     groups = [problem.links, *(getattr(p, kind) for p in problem.phases for kind in GROUPS)]
     return all(len({own.name for own in group}) == len(group) for group in groups)
-
-
-def _data(
-    transcription: Transcription, nlp: CompiledNLP, forms: Forms
-) -> Iterator[tuple[int, Callable[[Problem, Forms], float]]]:
-    """The slots of given times and of parameters, and how to read them off a problem."""
-    model = transcription.model
-    for i, phase in enumerate(transcription.problem.phases):
-        block = model.phase[phase.name]
-        yield from ((nlp.slot(block.number[name]), partial(_of_phase, i, name)) for name in forms.phases[i].data)
-        for leaf, end in ((block.t0, "initial_time"), (block.tF, "final_time")):
-            if leaf.fixed:
-                yield nlp.slot(leaf), partial(_time, i, end)
-    yield from ((nlp.slot(model.number[name]), partial(_between, name)) for name in forms.links.data)
-
-
-def _of_phase(i: int, name: str, problem: Problem, forms: Forms) -> float:
-    return float(forms.phases[i].data[name])
-
-
-def _between(name: str, problem: Problem, forms: Forms) -> float:
-    return float(forms.links.data[name])
-
-
-def _time(i: int, end: str, problem: Problem, forms: Forms) -> float:
-    bounds: Range = getattr(problem.phases[i], end)
-    return float(bounds.lower)
 
 
 def _unknowns(

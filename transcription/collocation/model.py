@@ -23,7 +23,7 @@ the band of each follows that of the one before; links, on the ends of several, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any
 
@@ -35,7 +35,9 @@ from ...problems.quantities import Constraint as PathConstraint
 from ..constraint_kinds import kind_between
 from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..libraries.pyomo import AnyValue, Block, ConcreteModel, Constraint, Objective, Param, Var, pyomo
-from ..program.compiler import CompiledNLP
+from ..method_kind import TIMES
+from ..program.compiled import CompiledNLP
+from ..program.compiler import compile_model
 from ..program.templates import templated
 from ..schemes.mesh import Mesh
 from ..schemes.segment import KindOfMethod
@@ -75,6 +77,9 @@ def by_model(
         BUILDERS[mesh.schemes[0].kind](block, p, own, phase, mesh)
         for block, own, phase, mesh in zip(blocks, data, problem.phases, meshes, strict=True)
     ]
+    by_name = {builder.phase.name: builder for builder in builders}
+    for builder in builders:
+        builder.before = by_name.get(builder.phase.before)
     with templated() if forms else nullcontext():
         for builder, curves in zip(builders, guess, strict=True):
             builder.variables(curves)
@@ -89,9 +94,25 @@ def by_model(
     return Transcription(problem, model, tuple(unknowns.variables), layouts, parameters, families)
 
 
-def compiled_model(transcription: Transcription) -> CompiledNLP:
-    """The nonlinear program of a templated model."""
-    return CompiledNLP(transcription.model, transcription.variables)
+def compiled_model(transcription: Transcription, backend: str | None = None) -> CompiledNLP:
+    """The nonlinear program of a templated model; its slots are those of `forms.numbers_of`.
+
+    transcription: by `by_model`.
+    backend: as of `compile_model`.
+    """
+    return compile_model(transcription.model, transcription.variables, backend, dict(_numbers(transcription)))
+
+
+def _numbers(transcription: Transcription) -> Iterator[tuple[tuple[str, str], Any]]:
+    """(phase, or BETWEEN; name of a parameter that is data, or of a given time) -> its Param or fixed variable."""
+    model = transcription.model
+    blocks = {phase.name: model.phase[phase.name] for phase in transcription.problem.phases}
+    for phase, block in blocks.items():
+        ends = zip(TIMES, (block.t0, block.tF), strict=True)
+        yield from (((phase, name), leaf) for name, leaf in ends if leaf.fixed)
+    for phase, block in {**blocks, BETWEEN: model}.items():
+        if block.component("number") is not None:
+            yield from (((phase, name), leaf) for name, leaf in block.number.items())
 
 
 def _data(block: Any, form: Form | None) -> dict[str, Any]:

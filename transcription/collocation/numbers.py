@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
-from typing import Any
 
-from ..layout import BETWEEN, Transcription
-from ..method_kind import TIMES, Number, Numbers
-from ..program.compiler import CompiledNLP
-from .forms import Forms, forms_of
-from .model import by_model
+from ..layout import Transcription
+from ..method_kind import Number, Numbers
+from ..program.compiled import CompiledNLP
+from .forms import Forms, forms_of, numbers_of
 
 
 def numbers(transcription: Transcription, nlp: CompiledNLP) -> Numbers:
@@ -25,9 +22,11 @@ def numbers(transcription: Transcription, nlp: CompiledNLP) -> Numbers:
     forms, most = forms_of(problem), forms_of(problem, values_only=True)
     found = _numbers(transcription, nlp, forms)
     if any(all_.data.keys() - own.data.keys() for own, all_ in zip(_each(forms), _each(most), strict=True)):
+        from .model import by_model, compiled_model  # Pyomo
+
         meshes, guess = [layout.mesh for layout in transcription.phases], [phase.guess for phase in problem.phases]
         other = by_model(problem, meshes, guess, templates=True, values_only=True)
-        found = _numbers(other, CompiledNLP(other.model, other.variables, "lambda"), most) | found
+        found = _numbers(other, compiled_model(other, "lambda"), most) | found
     return found
 
 
@@ -36,21 +35,8 @@ def _each(forms: Forms) -> tuple:
 
 
 def _numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], Number]:
-    leaves = _leaves(transcription, forms)
-    return {key: Number(value, partial(_replaced, nlp, nlp.slot(leaf))) for key, value, leaf in leaves}
-
-
-def _leaves(transcription: Transcription, forms: Forms) -> Iterator[tuple[tuple[str, str], float, Any]]:
-    """(key, value, Param or fixed variable of the model) each."""
-    model, problem = transcription.model, transcription.problem
-    for phase, form in zip(problem.phases, forms.phases, strict=True):
-        block = model.phase[phase.name]
-        yield from (((phase.name, name), value, block.number[name]) for name, value in form.data.items())
-        ends = (block.t0, phase.initial_time), (block.tF, phase.final_time)
-        for name, (leaf, bounds) in zip(TIMES, ends, strict=True):
-            if leaf.fixed:
-                yield (phase.name, name), bounds.lower, leaf
-    yield from (((BETWEEN, name), value, model.number[name]) for name, value in forms.links.data.items())
+    values = numbers_of(transcription.problem, forms)
+    return {key: Number(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
 
 
 def _replaced(nlp: CompiledNLP, slot: int, value: float) -> CompiledNLP:

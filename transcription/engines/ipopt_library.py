@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...problems.errors import Mistake, SpecError
+from ..libraries.alone import LOCK
 from ..libraries.hidden import hidden
-from ..program.alone import LOCK
 
 OPTION = "library"
 BUNDLED, CASADI = "bundled", "casadi"

@@ -21,7 +21,7 @@ from ...problems.quantities import Range
 from ..engines.ipopt import solve_program
 from ..engines.outcome import Outcome
 from ..layout import Transcription, bounded_start
-from ..program.alone import building
+from ..libraries.alone import building
 from ..program.contract import NonlinearProgram
 from ..schemes.mesh import Mesh
 from ..solution.trajectory import Trajectory, trajectories

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .contract import cross_factor
 from .lookups import Filled
 from .machine_code import Code, compile_family
-from .symbolic import Arguments
+
+if TYPE_CHECKING:  # Pyomo
+    from .symbolic import Arguments
 
 
 class Entries:
@@ -44,14 +46,14 @@ class Entries:
 
 
 class CompiledFamily:
-    """Outputs y[s, o] for every index value s of the Set `over` (None: one value without an index).
+    """Outputs y[s, o] for every index value s of the Set named `over` (None: one value without an index).
 
-    components: the O components that the outputs belong to. rows: (S, O) row of each value; or (O,) if the values of
-    one output are added up into one row.
+    components: names of the O components that the outputs belong to. rows: (S, O) row of each value; or (O,) if the
+    values of one output are added up into one row.
     """
 
     def __init__(
-        self, components: list, over: Any, arguments: Arguments, rows: np.ndarray, code: Code, backend: str
+        self, components: list[str], over: str | None, arguments: Arguments, rows: np.ndarray, code: Code, backend: str
     ) -> None:
         self.components, self.over, self.rows, self.code = components, over, rows, code
         self.index = None if over is None else arguments.values
@@ -65,6 +67,17 @@ class CompiledFamily:
         self.arguments = np.zeros((size, given + looked_up + len(components)))
         self._view()
         self.functions = {"constraints": code.value, "jacobian": code.jacobian, "hessian": code.hessian}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the arguments, of which parts are views: whoever reads it gives them their numbers."""
+        views = "arguments", "variables", "weights"
+        kept = {name: own for name, own in vars(self).items() if name not in views}
+        return {**kept, "shape": self.arguments.shape}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.arguments = np.zeros(state.pop("shape"))
+        vars(self).update(state)
+        self._view()
 
     def _view(self) -> None:
         self.variables = self.arguments[:, : self.columns.shape[1]]
@@ -103,7 +116,7 @@ class CompiledFamily:
     def culprits(self, kind: str) -> list[tuple[str, int | None]]:
         """(component name, index) of what is not finite at the present arguments."""
         pairs = self._not_finite(kind)
-        return [(self.components[o].name, None if self.index is None else int(self.index[s])) for s, o in pairs]
+        return [(self.components[o], None if self.index is None else int(self.index[s])) for s, o in pairs]
 
     def _not_finite(self, kind: str) -> list[tuple[int, int]]:
         function = self.functions[kind]

@@ -8,12 +8,9 @@ from copy import copy
 import numpy as np
 import symengine as se
 
-from ..libraries.pyomo import pyomo
 from .backend import available_backend
 from .lookups import Filled, Lookup
 from .machine_code import Code, compile_family, compile_values, timing
-from .slots import Slots
-from .symbolic import Arguments
 
 
 class PointFunctions:
@@ -105,6 +102,10 @@ def _translate(
     functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]
 ) -> tuple[list[se.Basic], list[Lookup]]:
     """The functions in the symbols v0, v1, ... and d0, d1, ... that `compile_family` takes, and what they look up."""
+    from ..libraries.pyomo import pyomo  # only here: what is compiled already needs no Pyomo
+    from .slots import Slots
+    from .symbolic import Arguments
+
     model = pyomo.ConcreteModel()
     model.variable = pyomo.Var(range(len(variables)))
     model.data = pyomo.Var(range(len(data)), initialize=0.0)

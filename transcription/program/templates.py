@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from ..libraries.alone import LOCK
 from ..libraries.pyomo import (
     GetItemExpression,
     IndexTemplate,
@@ -21,7 +22,6 @@ from ..libraries.pyomo import (
 from ..libraries.pyomo import constraint as pyomo_constraint
 from ..libraries.pyomo import numeric_expr as ne
 from ..libraries.pyomo import objective as pyomo_objective
-from .alone import LOCK
 
 _SUM, _OF_PYOMO = builtins.sum, template_context.sum_template
 _THREAD = threading.local()  # `templated` is true in the one that makes templates

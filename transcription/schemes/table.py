@@ -9,16 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.lean.records import dataclass
-from ...problems.schema.fields import MAX_DEGREE
-from ...problems.schema.solving import MAX_SUBSTEPS, MeshEntry
+from ...problems.quantities import MAX_DEGREE, MAX_SUBSTEPS
 from ...problems.text import did_you_mean
-from ..program.alone import LOCK
+from ..libraries.alone import LOCK
 from .discrete import EXACT
 from .finite_difference import FiniteDifference
 from .orthogonal import chebyshev, collocated_at, gauss, lobatto, radau, radau_left
@@ -26,6 +25,9 @@ from .runge_kutta import CONTROLS, TABLES, Table
 from .scheme import Scheme
 from .segment import Segment
 from .shooting import Shooting
+
+if TYPE_CHECKING:  # pydantic
+    from ...problems.schema.solving import MeshEntry
 
 DEFAULT_DEGREE = 4
 DEFAULT_SUBSTEPS = 1

@@ -1,4 +1,4 @@
-"""The nonlinear program of a shooting method, with the callbacks of `compiler.CompiledNLP`."""
+"""The nonlinear program of a shooting method, with the callbacks of `compiled.CompiledNLP`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .rows import Rows, ShootingTranscription
 
 
 class ShootingNLP:
-    """The callbacks, numbers and names of `compiler.CompiledNLP`, for a transcription by shooting.
+    """The callbacks, numbers and names of `compiled.CompiledNLP`, for a transcription by shooting.
 
     values_only: as of `structure.form_of`.
     """

@@ -117,7 +117,7 @@ def refused_by_shooting(problem: Problem, phase: Phase, mesh: Mesh) -> Iterator[
     phase: one with algebraic variables needs controls that are not constant on substeps.
     mesh: may not have more derivatives of stages than MAX_TANGENTS.
     """
-    yield from no_delays(phase, mesh.schemes[0].name)
+    yield from no_delays(problem, mesh.schemes[0].name)
     n = len(phase.states) + len(phase.integral) + 1
     n_u, n_p = len(phase.inputs), len(problem.parameters)
     for group in mesh.groups:

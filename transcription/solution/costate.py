@@ -25,7 +25,7 @@ import numpy as np
 from ..constraint_kinds import DEFECT
 from ..engines.outcome import Outcome
 from ..layout import Layout, Transcription
-from ..program.compiler import CompiledNLP
+from ..program.compiled import CompiledNLP
 from ..program.contract import NonlinearProgram
 from ..schemes.scheme import collocation_scheme
 

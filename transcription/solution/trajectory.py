@@ -48,7 +48,8 @@ class Trajectory:
 
     t: (2,) initial and final time. x: (n_x, K) and inputs u: (n_u, K) at the points of the mesh; u is NaN at a point
     that is no collocation point. parameters: the optimised static parameters by name. costate: (n_x, K + N - 1) at the
-    slots of the mesh (see `costate`), or None.
+    slots of the mesh (see `costate`), or None. before: of the phase in which states at earlier times are read
+    before the initial time.
     """
 
     phase: Phase
@@ -58,6 +59,7 @@ class Trajectory:
     u: np.ndarray
     parameters: Mapping[str, float]
     costate: np.ndarray | None = None
+    before: Trajectory | None = None
 
     @property
     def initial_time(self) -> float:
@@ -155,21 +157,34 @@ class Trajectory:
         return Sample(t, x, u, dx, costate)
 
     def earlier(self, own: Delayed, t: np.ndarray) -> np.ndarray:
-        """A state at an earlier time than t, of any shape: the state's own interpolant, or its history."""
-        before, (t0, tF), edges = np.ravel(t) - own.lag, self.t, self.mesh.edges
-        values = own.before(before).copy()
+        """A state at an earlier time than t, of any shape: its own interpolant, here or before, or its history."""
+        return self._read(own, np.ravel(t) - own.lag).reshape(np.shape(t))
+
+    def _read(self, own: Delayed, t: np.ndarray) -> np.ndarray:
+        """The state at times t (M,), none of which is after the final time."""
+        (t0, tF), edges = self.t, self.mesh.edges
         i = next(i for i, state in enumerate(self.phase.states) if state.name == own.state)
-        s = (before - t0) / (tF - t0)
-        inside = np.flatnonzero(s >= -ALIGNED)
+        s = (t - t0) / (tF - t0)
+        here = s >= -ALIGNED
+        values = np.empty(len(t))
+        values[~here] = self.past(own, t[~here])
+        inside = np.flatnonzero(here)
         segments = np.clip(np.searchsorted(edges, s[inside], side="right") - 1, 0, self.mesh.segments - 1)
         tau = (s[inside] - edges[segments]) / self.mesh.widths[segments]
         for number, group in enumerate(self.mesh.groups):
-            here = np.flatnonzero(self.mesh.group_of[segments] == number)
-            X, F, _, _, _ = group.scheme.interpolant(tau[here])
-            row, h = np.searchsorted(group.segments, segments[here]), self.h[segments[here]]
+            own_here = np.flatnonzero(self.mesh.group_of[segments] == number)
+            X, F, _, _, _ = group.scheme.interpolant(tau[own_here])
+            row, h = np.searchsorted(group.segments, segments[own_here]), self.h[segments[own_here]]
             nodes, f = self.x[i, group.nodes[row]], self.f[i, group.collocated[row]]
-            values[inside[here]] = (nodes * X).sum(axis=-1) + h * (f * F).sum(axis=-1)
-        return values.reshape(np.shape(t))
+            values[inside[own_here]] = (nodes * X).sum(axis=-1) + h * (f * F).sum(axis=-1)
+        return values
+
+    def past(self, own: Delayed, t: np.ndarray) -> np.ndarray:
+        """A state at times t (M,) before the initial time: that of the phase before, if it has it, or its history."""
+        if not len(t):
+            return np.zeros(0)
+        before = self.before if self.before and own.state in {s.name for s in self.before.phase.states} else None
+        return before._read(own, t) if before else own.before(t)
 
     @property
     def point_costate(self) -> np.ndarray:
@@ -226,10 +241,13 @@ def trajectories(transcription: Transcription, z: np.ndarray) -> tuple[Trajector
     """Read the unknowns z, shape (n,), back into one trajectory for each phase."""
     names = [p.name for p in transcription.problem.parameters]
     parameters = dict(zip(names, z[transcription.parameters].tolist(), strict=True))
-    return tuple(_trajectory(layout, transcription, z, parameters) for layout in transcription.phases)
+    found: dict[str, Trajectory] = {}
+    for layout in transcription.phases:  # a phase stands after the one before it
+        found[layout.phase.name] = _trajectory(layout, z, parameters, found.get(layout.phase.before))
+    return tuple(found.values())
 
 
-def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, parameters: dict) -> Trajectory:
+def _trajectory(layout: Layout, z: np.ndarray, parameters: dict, before: Trajectory | None) -> Trajectory:
     phase, mesh = layout.phase, layout.mesh
     t = np.array(
         [
@@ -239,7 +257,7 @@ def _trajectory(layout: Layout, transcription: Transcription, z: np.ndarray, par
     )
     x = np.where(layout.x >= 0, z[layout.x], np.nan)
     u = np.where(layout.u >= 0, z[layout.u], np.nan)
-    trajectory = Trajectory(phase, mesh, t, x, u, parameters)
+    trajectory = Trajectory(phase, mesh, t, x, u, parameters, before=before)
     for group in mesh.groups:
         group.scheme.complete(trajectory, group)
     _extrapolate_inputs(trajectory)

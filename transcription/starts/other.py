@@ -20,7 +20,7 @@ from ...problems.names.structure import form_of
 from ...problems.probe import depends_on, derivatives
 from ...problems.problem import Curves, Guess, Phase, Problem
 from ...problems.quantities import State, Variable
-from ..program.alone import building
+from ..libraries.alone import building
 from ..program.pointwise import compiled_values
 
 POINTS = 101

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..program.compiler import CompiledNLP
+from ..program.compiled import CompiledNLP
 
 LARGEST_BLOCK = 1000
 """Unknowns that second derivatives couple: the eigenvalues of a larger block are not computed."""

@@ -142,9 +142,7 @@ def test_results_verify_hold_and_are_read_back(tmp_path):
     ("overrides", "says"),
     [(["mesh.0.method=runge-kutta-4", "mesh.0.degree="], "runge-kutta-4 cannot take a state at an earlier time"),
      (["mesh.0.method=hermite-simpson-compressed", "mesh.0.degree="], "has no unknowns in the middle of a segment"),
-     (["time.final={lower: 1, upper: 3}"], "the final time is free, and x(t - tau) is interpolated on a mesh"),
-     (["guess=simulate"], "a guess is not simulated with states at earlier times"),
-     (["phases={a: {time: {final: 1}}, b: {}}"], "with phases, states cannot be taken at earlier times")],
+     (["guess=simulate"], "a guess is not simulated with states at earlier times")],
 )  # fmt: skip
 def test_what_delays_are_not_for_is_refused(overrides, says):
     with pytest.raises(SpecError) as error:

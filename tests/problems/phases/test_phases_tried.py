@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from repository import ROOT
 
+import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
@@ -142,3 +143,26 @@ def test_a_guess_of_other_phases_gives_its_part(tmp_path):
     several = load_text(SWING + "waypoints: [{q: 0.2}, {q: 0.7}]\n", "x.yaml")
     (whole,) = guess_from(written(back, several, tmp_path), build(one))
     assert np.interp([0, 0.5, 1], whole.s, whole.values["q"]) == pytest.approx([0, 0.5, 1], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("objective", "extra", "optimum"),
+    [("integral: u**2", "integral: 100 + u**2", 1.5), ("integral: u**2 + x**2/100", "integral: 7 + u**2", None)],
+)
+def test_a_phase_that_is_worth_nothing_shrinks_to_nothing(objective, extra, optimum):
+    """With a lower bound of zero, between two others; the optimum is that of one phase."""
+    one = f"""\
+trajopt: 1
+time: {{initial: 0, final: 2}}
+states:
+  x: {{rate: v, initial: 0, final: 1}}
+  v: {{rate: u, initial: 0, final: 0}}
+controls: {{u: {{}}}}
+objective: {{minimize: {{{objective}}}}}
+"""
+    ends = "time: {final: {lower: 0, upper: 2, guess: %s}}"
+    phases = f"phases:\n  a: {{{ends % 0.7}}}\n  b: {{{ends % 1.3}, objective: {{minimize: {{{extra}}}}}}}\n  c: {{}}\n"
+    solution, alone = (trajopt.solve(trajopt.load(text)) for text in (one + phases, one))
+    times = solution.phases["b"].time
+    assert solution.solved and times[-1] - times[0] < 1e-6
+    assert solution.objective == pytest.approx(optimum or alone.objective, abs=1e-6)

@@ -11,7 +11,7 @@ from trajopt.problems.load import load_text
 from trajopt.problems.tables.table import fitted
 from trajopt.transcription.collocation.model import compiled_model
 from trajopt.transcription.program import machine_code
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.program.contract import NotFinite
 from trajopt.transcription.program.pointwise import PointFunctions
 from trajopt.transcription.settings import steps
@@ -89,7 +89,7 @@ def test_derivatives(place, method):
 def test_the_interpreter_gives_the_same(place):
     transcription, _ = program("hermite-simpson", **PLACES[place])
     fast = compiled_model(transcription)
-    slow = CompiledNLP(transcription.model, transcription.variables, backend="lambda")
+    slow = compile_model(transcription.model, transcription.variables, backend="lambda")
     z, y = point(fast), np.random.default_rng(2).standard_normal(fast.m)
     for name, arguments in (("constraints", ()), ("jacobian", ()), ("hessian", (y, 0.5))):
         np.testing.assert_allclose(getattr(slow, name)(z, *arguments), getattr(fast, name)(z, *arguments), atol=1e-11)

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,10 +11,13 @@ import h5py
 import numpy as np
 import pytest
 import symengine as se
-from command_line import process, trajopt
+from command_line import TRAJOPT, process, trajopt
 
+from trajopt.problems.errors import Mistake, SpecError
 from trajopt.transcription.cache import identity
 from trajopt.transcription.cache.entries import entries
+from trajopt.transcription.files import ready
+from trajopt.transcription.files.ready import ready_all
 from trajopt.transcription.program.backend import told
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -72,9 +76,9 @@ def test_the_result_is_the_same_to_the_last_bit(typed, cache):
 def test_other_numbers_use_what_is_kept(cache):
     """One compilation serves every number, and gives what they would have given alone."""
     solved("first", "cartpole")
-    kept = sorted(own.name for own in entries() if own.size > 4000)
+    kept = sorted(own.name for own in entries() if own.size > 20_000)
     after = solved("after", "cartpole", "--set", "parameters.u_max=14")
-    assert sorted(own.name for own in entries() if own.size > 4000) == kept
+    assert sorted(own.name for own in entries() if own.size > 20_000) == kept
     assert after == solved("alone", "cartpole", "--set", "parameters.u_max=14", TRAJOPT_CACHE="off")
 
 
@@ -92,6 +96,80 @@ def test_without_a_home_there_is_no_cache_and_no_word(folder):
     environment = {key: value for key, value in os.environ.items() if key not in ("TRAJOPT_CACHE", "XDG_CACHE_HOME")}
     run = process("solve", "cartpole", "-q", env={**environment, "HOME": "/proc/none"})
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+NOT_NEEDED = {"pyomo", "pydantic", "yaml", "trajopt.problems.schema.spec", "trajopt.problems.load"}
+
+
+def test_what_is_known_needs_neither_schema_nor_pyomo(cache):
+    """Not after the first solve of a file; with other numbers the file is read, and its program is known."""
+
+    def loaded(*typed: str) -> set[str]:
+        command = [sys.executable, "-X", "importtime", *TRAJOPT[1:], "solve", "cartpole", "-q", "--force", *typed]
+        run = subprocess.run(command, capture_output=True, text=True, check=True)
+        return {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
+
+    assert loaded() >= NOT_NEEDED
+    assert not loaded() & NOT_NEEDED
+    assert "pyomo" not in loaded("--set", "parameters.u_max=14")
+
+
+MOVE = """
+trajopt: 1
+name: a move
+parameters: {c: 1.0}
+tables: {drag: {file: drag.csv}}
+time: {initial: 0, final: 1}
+states: {x: {rate: u - c*drag(x), initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+"""
+
+
+def read(*given: str, file: str = "move.yaml"):
+    (own,) = ready_all([file], given)
+    return own
+
+
+def test_a_changed_file_is_read_again(cache, folder):
+    path = folder / "move.yaml"
+    path.write_text(MOVE.replace("tables: {drag: {file: drag.csv}}", "").replace("drag(x)", "x"))
+    first = read()
+    assert first.loaded and not read().loaded and read().full == first.full and read().spec().name == "a move"
+    assert read("parameters.c=2").loaded and json.loads(read("parameters.c=2").full)["parameters"]["c"] != 1.0
+    path.write_text(path.read_text().replace("c: 1.0", "c: 3.0"))
+    again = read()
+    assert again.loaded and again.problems[0].numbers["c"] == 3.0 == read().problems[0].numbers["c"]
+
+
+def test_a_file_with_others_beside_it_is_read_each_time(cache, folder):
+    (folder / "move.yaml").write_text(MOVE)
+    (folder / "drag.csv").write_text("x,drag\n0,1\n1,2\n2,3\n")
+    assert read().loaded and (known := read()).loaded
+    (folder / "drag.csv").write_text("x,drag\n0,1\n1,2\n2,4\n")
+    assert read().full != known.full
+
+
+def test_a_mistake_is_told_again(cache, folder):
+    (folder / "move.yaml").write_text(
+        MOVE.replace("rate: u", "rate: v").replace("tables: {drag: {file: drag.csv}}", "")
+    )
+    for _ in range(2):
+        with pytest.raises(SpecError, match=r"move\.yaml:"):
+            read()
+
+
+def test_what_is_on_the_way_is_not_kept(cache):
+    assert read(file="bouncing_pendulum").loaded
+    own = read(file="bouncing_pendulum")
+    assert bool(own.loaded) != own.direct
+
+
+def test_the_engine_is_asked_about_its_options_again(cache, monkeypatch):
+    read("solver.mu_strategy=adaptive", file="cartpole")
+    assert not read("solver.mu_strategy=adaptive", file="cartpole").loaded
+    monkeypatch.setattr(ready, "check_engine_options", lambda *_: [Mistake("solver", "not here", "take another")])
+    assert read("solver.mu_strategy=adaptive", file="cartpole").loaded
 
 
 def test_equal_texts_are_of_equal_expressions():

@@ -15,7 +15,7 @@ from trajopt.transcription.engines.ipopt import check_options
 from trajopt.transcription.engines.ipopt_library import load_library
 from trajopt.transcription.engines.outcome import COLUMNS, Start, Status
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import transcribe
@@ -42,7 +42,7 @@ def cartpole():
 @cache
 def program():
     transcription = transcribe(cartpole(), [STEP.mesh()])
-    return CompiledNLP(transcription.model, transcription.variables), *bounded_start(transcription)
+    return compile_model(transcription.model, transcription.variables), *bounded_start(transcription)
 
 
 def run(options=None, start=None, progress=None, stop=None):

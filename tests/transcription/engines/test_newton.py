@@ -8,7 +8,7 @@ from scipy.sparse import csc_matrix
 from trajopt.problems.errors import SpecError
 from trajopt.transcription.engines import linear, newton
 from trajopt.transcription.engines.outcome import Status
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.program.templates import templated
 
 
@@ -20,7 +20,7 @@ def program(objective=lambda x1, x2: 0 * x1, *constraints):
         model.cost = Objective(rule=lambda m: objective(m.x1, m.x2))
         for i, constraint in enumerate(constraints):
             model.add_component(f"g{i}", Constraint(rule=lambda m, c=constraint: c(m.x1, m.x2)))
-    return CompiledNLP(model, [model.x1, model.x2])
+    return compile_model(model, [model.x1, model.x2])
 
 
 def run(nlp, start, lower=(-np.inf, -np.inf), upper=(np.inf, np.inf), **options):

@@ -15,7 +15,7 @@ from pyomo.core.expr.visitor import identify_variables
 
 from trajopt.transcription.program import machine_code
 from trajopt.transcription.program.backend import available_backend
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.program.contract import NotFinite
 from trajopt.transcription.program.templates import TemplateError, templated
 from trajopt.transcription.schemes.mesh import Mesh
@@ -32,7 +32,7 @@ BACKENDS = ("llvm", "lambda")
 def test_values_are_those_of_the_expanded_expressions(scheme, backend):
     model = two_phases(scheme)
     variables = free(model)
-    nlp = CompiledNLP(model, variables, backend=backend)
+    nlp = compile_model(model, variables, backend=backend)
     z = random_point(nlp)
     g = nlp.constraints(z)
     for v, number in zip(variables, z, strict=True):
@@ -56,7 +56,7 @@ def test_values_are_those_of_the_expanded_expressions(scheme, backend):
 def test_rows_of_components_on_one_set_interleave():
     model = ConcreteModel()
     trajectory(model, 5, "hermite-simpson")
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
     np.testing.assert_array_equal(nlp.rows(model.defect_q), np.arange(0, 20, 4))
     np.testing.assert_array_equal(nlp.rows(model.mid_v), np.arange(3, 20, 4))
 
@@ -71,7 +71,7 @@ def test_fixed_variables_are_data():
         model.x[2].fix(fixed)
         model.y.fix(fixed)
         compiled = len(machine_code._code)
-        nlp = CompiledNLP(model, free(model))
+        nlp = compile_model(model, free(model))
         assert nlp.n == 4
         z = np.array([0.1, 0.2, 0.3, 0.4])
         x = np.array([0.1, 0.2, fixed, 0.3, 0.4])
@@ -90,7 +90,7 @@ def test_bounds():
         model.lower = Constraint(model.inner, rule=lambda m, s: m.x[s] >= 3)
         model.upper = Constraint(model.inner, rule=lambda m, s: m.x[s] <= m.x[s + 1] + 4)
         model.equal = Constraint(rule=lambda m: m.y == 7)
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
 
     def bounds(c):
         return nlp.cl[nlp.rows(c)].tolist(), nlp.cu[nlp.rows(c)].tolist()
@@ -127,7 +127,7 @@ def test_not_finite_names_the_component_and_index(body, z, kind, backend):
         block.sick = Constraint(block.point, rule=lambda m, s: body(m.x[s], m.y) == m.y)
         model.total = Constraint(rule=lambda m: sum(body(m.phase.x[k], m.phase.y) for k in m.phase.point) == 0)
         model.cost = Objective(rule=lambda m: sum(body(m.phase.x[k], m.phase.y) for k in m.phase.point))
-    nlp = CompiledNLP(model, [*block.x.values(), block.y], backend=backend)
+    nlp = compile_model(model, [*block.x.values(), block.y], backend=backend)
     at = np.full(11, 0.5)
     at[7] = z
     calls = {"objective": (), "constraints": (), "gradient": (), "jacobian": (), "hessian": (np.ones(nlp.m), 1.0)}
@@ -158,7 +158,7 @@ def test_not_finite_names_the_component_and_index(body, z, kind, backend):
 )
 def test_what_is_never_finite_fails_when_evaluated(body, backend):
     model = small(lambda m, s: body(m.x[s]) + m.x[s] == 0)
-    nlp = CompiledNLP(model, free(model), backend=backend)
+    nlp = compile_model(model, free(model), backend=backend)
     with pytest.raises(NotFinite):
         nlp.constraints(random_point(nlp))
 
@@ -169,10 +169,10 @@ def test_the_next_mesh_compiles_nothing(monkeypatch):
         model = ConcreteModel()
         trajectory(model, n, "hermite-simpson")
         meshes.append(model)
-    first = CompiledNLP(meshes[0], free(meshes[0]))
+    first = compile_model(meshes[0], free(meshes[0]))
     compiled = len(machine_code._code)
     monkeypatch.setattr(se, "Lambdify", None)
-    second = CompiledNLP(meshes[1], free(meshes[1]))
+    second = compile_model(meshes[1], free(meshes[1]))
     assert len(machine_code._code) == compiled
     assert second.seconds["compile"] == 0
     assert second.m == first.m + 5 * (4 + 2 * 2)
@@ -187,7 +187,7 @@ def test_the_interpreter_stands_in_where_llvm_is_missing(monkeypatch, caplog):
             assert available_backend() == available_backend() == "lambda"
         assert len(caplog.records) == 1
         model = small(lambda m, s: m.x[s] ** 2 == m.y)
-        assert CompiledNLP(model, free(model)).constraints(np.full(6, 0.5)).tolist() == [-0.25] * 4
+        assert compile_model(model, free(model)).constraints(np.full(6, 0.5)).tolist() == [-0.25] * 4
     finally:
         available_backend.cache_clear()
 
@@ -219,24 +219,24 @@ def loops_over_a_set(m, s):
 def test_what_is_no_template_is_refused(rule, message):
     model = small(rule)
     with pytest.raises(TemplateError, match=message):
-        CompiledNLP(model, free(model))
+        compile_model(model, free(model))
 
 
 def test_objectives_and_variables_are_checked():
     model = small()
     model.cost.sense = maximize
     with pytest.raises(TemplateError, match="minimise"):
-        CompiledNLP(model, free(model))
+        compile_model(model, free(model))
     model = small(lambda m, s: m.x[s] == m.y)
     with pytest.raises(TemplateError, match="y is neither"):
-        CompiledNLP(model, list(model.x.values()))
+        compile_model(model, list(model.x.values()))
     with pytest.raises(TemplateError, match="x at index"):
-        CompiledNLP(model, [model.y])
+        compile_model(model, [model.y])
 
 
 def test_seconds_by_part():
     model = small(lambda m, s: m.x[s] ** 2 == m.y)
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
     nlp.constraints(np.ones(nlp.n))
     nlp.jacobian(np.ones(nlp.n))
     assert set(nlp.seconds) == {"differentiate", "compile", "evaluate"}
@@ -246,14 +246,14 @@ def test_seconds_by_part():
 def test_every_variable_of_the_model_is_read():
     model = ConcreteModel()
     trajectory(model, 3, "trapezoid")
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
     read = {id(v) for c in model.component_data_objects(Constraint) for v in identify_variables(c.expr) if not v.fixed}
     assert len(read) == nlp.n == len(set(nlp.jacobianstructure()[1]))
 
 
 def test_unchecked_constraints_keep_nan():
     model = small(lambda m, s: pyo.log(m.x[s]) == 0)
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
     z = np.array([1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # y stands first
     assert np.isnan(nlp.constraints_unchecked(z)).tolist() == [True, False, False, False]
     with pytest.raises(NotFinite):

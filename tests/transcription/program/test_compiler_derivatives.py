@@ -7,7 +7,7 @@ from named import share
 from pyomo import core as pyo
 from pyomo.core import ConcreteModel, Constraint, Param
 
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.program.symbolic import SYMENGINE
 from trajopt.transcription.program.templates import templated
 
@@ -22,7 +22,7 @@ def test_derivatives_and_sparsity_of_a_transcription(scheme, backend):
     model = ConcreteModel()
     trajectory(model, 4, scheme)
     variables = free(model)
-    nlp = CompiledNLP(model, variables, backend=backend)
+    nlp = compile_model(model, variables, backend=backend)
     jac, hess = check_derivatives(nlp, random_point(nlp))
     # Exactly the nonzeros: none that is zero at a random point.
     rows, cols = nlp.jacobianstructure()
@@ -41,7 +41,7 @@ def test_every_function(name, backend):
         lambda m, s: function(m.x[s] * m.y) * m.x[s + 1] == m.d[s],
         lambda m: sum(m.d[k] * function(m.x[k]) for k in m.point),
     )
-    nlp = CompiledNLP(model, free(model), backend=backend)
+    nlp = compile_model(model, free(model), backend=backend)
     z = random_point(nlp, low=0.3, high=0.8)
     check_derivatives(nlp, z, 1e-6)
     values = dict(zip(map(id, free(model)), z, strict=True))
@@ -66,7 +66,7 @@ def test_every_function(name, backend):
     ],
 )
 def test_arithmetic(body, backend):
-    nlp = CompiledNLP(model := small(lambda m, s: body(m, s) <= 1), free(model), backend=backend)
+    nlp = compile_model(model := small(lambda m, s: body(m, s) <= 1), free(model), backend=backend)
     check_derivatives(nlp, random_point(nlp, low=0.3, high=0.8))
 
 
@@ -78,7 +78,7 @@ def test_arguments_that_are_one_variable_at_some_indices(backend):
     with templated():
         model.alias = Constraint(model.inner, rule=lambda m, s: m.x[s] * m.x[m.near[s]] ** 2 + m.x[s + 1] * m.x[s] == 0)
         model.whole = Constraint(rule=lambda m: sum(m.x[s] * m.x[m.near[s]] * m.y for s in m.inner) == 0)
-    nlp = CompiledNLP(model, free(model), backend=backend)
+    nlp = compile_model(model, free(model), backend=backend)
     jac, _ = check_derivatives(nlp, random_point(nlp))
     places = list(zip(*nlp.jacobianstructure(), strict=True))
     assert set(places) == set(zip(*np.nonzero(jac), strict=True))
@@ -97,7 +97,7 @@ def test_sums_make_a_dense_row_and_a_sparse_hessian(backend):
                 <= sum(m.x[s] for s in m.inner)
             )
         )
-    nlp = CompiledNLP(model, free(model), backend=backend)
+    nlp = compile_model(model, free(model), backend=backend)
     check_derivatives(nlp, random_point(nlp))
     assert len(set(nlp.jacobianstructure()[1])) == nlp.n
     rows, cols = nlp.hessianstructure()
@@ -107,7 +107,7 @@ def test_sums_make_a_dense_row_and_a_sparse_hessian(backend):
 @pytest.mark.parametrize("scheme", ["trapezoid", "hermite-simpson"])
 def test_terms_of_the_lagrangian_add_up_to_its_gradient(scheme):
     model = two_phases(scheme)
-    nlp = CompiledNLP(model, free(model))
+    nlp = compile_model(model, free(model))
     z, y = random_point(nlp), np.random.default_rng(1).standard_normal(nlp.m)
     total, sets = np.zeros(nlp.n), set()
     for over, index, columns, terms in nlp.lagrangian_terms(z, y):

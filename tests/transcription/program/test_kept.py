@@ -22,6 +22,13 @@ from trajopt.transcription.transcribe import compiled, program, transcribe
 FILES = sorted((ROOT / "problems").glob("*.yaml"))
 GAUSS = find("gauss", 3, None)
 
+
+@pytest.fixture(autouse=True)
+def _in_memory_only(monkeypatch):
+    """What is on the disk is tested in tests/transcription/cache."""
+    monkeypatch.setenv("TRAJOPT_CACHE", "off")
+
+
 POWERS = """
 trajopt: 1
 name: numbers that the form depends on

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from named import crossed, problem_named
 
-from trajopt.transcription.program.compiler import CompiledNLP
+from trajopt.transcription.program.compiler import compile_model
 from trajopt.transcription.settings import Settings, Step
 from trajopt.transcription.solve import solve
 from trajopt.transcription.starts.warm import Solved, warm_start
@@ -29,7 +29,7 @@ def returned(name: str, segments: int):
     problem, step = problem_named(name), Step("hermite-simpson", segments, 1e-8)
     solution = solve(problem, [step])
     transcription = transcribe(problem, [step.mesh()], solution.trajectories)
-    nlp = CompiledNLP(transcription.model, transcription.variables)
+    nlp = compile_model(transcription.model, transcription.variables)
     start = warm_start(Solved(transcription, nlp, solution.outcome, solution.trajectories), transcription, nlp)
     np.testing.assert_allclose(start.z_lower, solution.outcome.z_lower, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(start.z_upper, solution.outcome.z_upper, rtol=1e-9, atol=1e-9)

@@ -1,0 +1,1 @@
+"""Problem files -> all that solving them needs, at once."""
