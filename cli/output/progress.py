@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from threading import Event
 from time import monotonic
 
+from ...problems.lean.hidden import Onlooker
 from ...problems.text import shorten
-from ...transcription.libraries.hidden import Onlooker
 from .printing import dumb_terminal, one_line
 
 NAME_WIDTH = 20

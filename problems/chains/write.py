@@ -253,16 +253,20 @@ class _Writer:
                 self.define(loop.constant(key), own, (*path, key), "where a loop is closed")
         algebraic, residuals = self.section("algebraic"), list_in(self.data, "residuals")
         boundary = list_in(self.section("constraints"), "boundary")
+        known = {own.get("name") for own in (*residuals, *boundary) if isinstance(own, dict)}  # of a full file
         for axis in AXES:
             force, note = loop.force(axis), f"force on {loop.entry.link} that closes a loop"
             algebraic[force] = {"unit": "N", "note": note, **(algebraic.get(force) or {})}
             self.short.setdefault(("algebraic", force), path)
-            self.short["residuals", len(residuals)] = path
-            residuals.append({"name": f"{name_of(loop.number)} {axis}", "expression": loop.residual(axis)})
-            for name, text in ((f"gap_{axis}", loop.gap(axis)), (f"gap_v{axis}", loop.closing(axis))):
-                self.define(loop.constant(name), text, path, "of a closed loop, zero")
-                self.short["constraints", "boundary", len(boundary)] = path
-                boundary.append({"expression": f"{loop.constant(name)}[initial]", "equals": 0})
+            if (name := f"{name_of(loop.number)} {axis}") not in known:
+                self.short["residuals", len(residuals)] = path
+                residuals.append({"name": name, "expression": loop.residual(axis)})
+            for gap, text in ((f"gap_{axis}", loop.gap(axis)), (f"gap_v{axis}", loop.closing(axis))):
+                own = loop.constant(gap)
+                self.define(own, text, path, "of a closed loop, zero")
+                if own not in known:
+                    self.short["constraints", "boundary", len(boundary)] = path
+                    boundary.append({"name": own, "expression": f"{own}[initial]", "equals": 0})
 
     def step(self, step: Stride) -> None:
         for name, value in step.constants().items():

@@ -6,12 +6,11 @@ A file's unit is a text for tables and plots first, so whatever pint cannot read
 from __future__ import annotations
 
 import re
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
+from ..lean.hidden import hidden
 from ..lean.records import dataclass
 
 ROUNDING = 1e-6
@@ -86,25 +85,9 @@ def _shown(quantity: Any) -> str:
     return (f"{number:g} {unit}".strip() if abs(number - 1) > ROUNDING else unit) or NUMBER
 
 
-@contextmanager
-def _hidden(module: str) -> Iterator[None]:
-    """A module as if it were not installed.
-
-    Pint only looks whether there is a SciPy; where Pyomo is loaded, its hook then loads scipy.stats, for a second.
-    """
-    loaded = sys.modules.get(module)
-    sys.modules[module] = None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        del sys.modules[module]
-        if loaded is not None:
-            sys.modules[module] = loaded
-
-
 @cache
 def _registry() -> Any:
-    with _hidden("scipy"):
+    with hidden("scipy", "dask", absent=True):  # it looks for them; with Pyomo, SciPy's statistics then take a second
         from pint import UnitRegistry
 
     registry: Any = UnitRegistry(on_redefinition="ignore")

@@ -71,7 +71,7 @@ def mesh_figure(result: Result) -> Figure:
     bars = [mesh.objective_error for mesh in meshes]
     with look():
         longest = max(len(mesh.method) for mesh in meshes) + 10
-        frame = Frame(left=longest * 0.9 * LETTER, bottom=0.55, down=0.75)
+        frame = Frame(left=longest * 0.9 * LETTER, bottom=0.55, across=1.0, down=0.75)
         figure, grid = frame.figure([float(np.clip(0.32 * len(meshes), 0.6, 6.0)), 1.5], 4, 2.0)
         draw_meshes(figure.add_subplot(grid[0, :]), result)
         below = [figure.add_subplot(grid[1, column]) for column in range(4)]

@@ -166,7 +166,7 @@ EXPRESSIONS = [
 ]
 
 OVERRIDES = [
-    override("an override without a value", "parameters.d", "write parameters.u_max=15", "--set parameters.d"),
+    override("an override without a value", "parameters.d", "as --set parameters.u_max=15", "--set parameters.d"),
     override("an override of nothing", "=3", "this is not PATH=VALUE", "--set =3"),
     override("a misspelt parameter", "parameters.u_maxx=15", "did you mean u_max?"),
     override("a misspelt override", "solvr.max_iter=5", "did you mean solver?"),

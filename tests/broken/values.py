@@ -68,7 +68,7 @@ KEYS = [
     edit("states as a list", "states:", "states: [x, v]\nother:", "states", "must be a mapping, not a list"),
     edit("a state as a number", "  x: {unit", "  w: 3\n  x: {unit", "states.w", "must be a mapping, not the number 3"),
     edit("a bound as a list", "lower: -2", "lower: [-2]", "states.x.lower", "not a list"),
-    edit("a bound as true", "lower: -2", "lower: true", "states.x.lower", "not true"),
+    edit("a bound as true", "lower: -2", "lower: true", "states.x.lower", "lower is true; write its value"),
     edit("a name as a list", "name: a good file", "name: [a]", "name", "put the text in quotes"),
     edit("a long text", "name: a good file", "name: " + "a" * 20_000, "name", "shorten it"),
     edit(

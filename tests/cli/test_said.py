@@ -160,7 +160,8 @@ def test_a_long_solve_tells_where_it_is(folder, often):
 
 
 @pytest.mark.parametrize("command", ["verify", "report", "explain"])
-def test_other_long_work_tells_it_too(folder, often, command):
+def test_other_long_work_tells_it_too(folder, monkeypatch, command):
+    monkeypatch.setattr(progress, "INTERVAL", 0.001)
     (folder / "said.yaml").write_text(FILE)
     solved_once(folder / "said.h5", "said.yaml")
     told = trajopt(command, "said.h5")

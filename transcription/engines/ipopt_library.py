@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...problems.errors import Mistake, SpecError
+from ...problems.lean.hidden import hidden
 from ..libraries.alone import LOCK
-from ..libraries.hidden import hidden
 
 OPTION = "library"
 BUNDLED, CASADI = "bundled", "casadi"

@@ -6,7 +6,7 @@ part of them later. It asks for what it needs of them by other ways. How it does
 
 from __future__ import annotations
 
-from .hidden import hidden
+from ...problems.lean.hidden import hidden
 
 with hidden("scipy", "matplotlib"):
     from pyomo import core as pyomo

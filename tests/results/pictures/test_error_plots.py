@@ -90,8 +90,11 @@ def test_a_mesh_without_a_bar_is_left_out_of_the_picture(solved):
 def test_mesh_picture_shows_every_mesh(solved):
     result = read(solved("biped"))
     edges, unknowns, objective, bar, eta = mesh_plots.mesh_figure(result).axes
-    assert [label.get_text() for label in edges.get_yticklabels()] == ["1: hermite-simpson, 5", "2: hermite-simpson, 6"]
-    assert [len(lines.get_segments()) for lines in edges.collections[1::2]] == [6, 7]
+    segments = [int(mesh.segments) for mesh in result.meshes]
+    assert len(segments) == 2
+    told = [f"{number}: hermite-simpson, {count}" for number, count in enumerate(segments, start=1)]
+    assert [label.get_text() for label in edges.get_yticklabels()] == told
+    assert [len(lines.get_segments()) for lines in edges.collections[1::2]] == [count + 1 for count in segments]
     drawn = ((unknowns, "unknowns"), (objective, "objective"), (bar, "objective_error"), (eta, "max_eta"))
     for ax, name in drawn:
         assert ax.get_lines()[0].get_ydata() == pytest.approx([getattr(mesh, name) for mesh in result.meshes])
