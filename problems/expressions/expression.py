@@ -113,7 +113,7 @@ class Expression:
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
         """The definitions that are needed, those of others first: key -> definition and the end it is taken at."""
         found: dict[str, tuple[Expression, str | None]] = {}
-        graph: dict[str, set[str]] = {}
+        graph: dict[str, list[str]] = {}
         waiting = [(n.name, n.end) for n in self.leaves if n.name in self.definitions]
         while waiting:
             name, end = waiting.pop()
@@ -122,7 +122,7 @@ class Expression:
                 continue
             definition = self.definitions[name]
             found[key] = definition, end
-            graph[key] = self._keys(definition, end)
+            graph[key] = sorted(self._keys(definition, end))  # a set has another order in each process
             waiting += [(n.name, end) for n in definition.leaves]
         return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
 
