@@ -5,6 +5,7 @@ Messages, LaTeX, scaling, warm starts, costates, the error bar and `verify` read
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum, auto
 
 from ..problems.lean.records import dataclass
@@ -40,6 +41,10 @@ class ConstraintKind:
     def __str__(self) -> str:
         return self.name
 
+    def __reduce__(self) -> tuple[Callable[[str], ConstraintKind], tuple[str]]:
+        """A kind that is read from a pickle is the row of the table itself: they are compared by identity."""
+        return kind_called, (self.name,)
+
 
 # fmt: off
 DEFECT = ConstraintKind(
@@ -65,6 +70,14 @@ LINK = ConstraintKind(  # between the ends of phases
 ENDS = ConstraintKind(  # the same, where the file has it among the boundary constraints of the top level
     "ends", BOUNDARY.phrase, BOUNDARY.heading, "", Multiplier.NUMBER, timed=False)
 # fmt: on
+
+
+KINDS = (DEFECT, RESIDUAL, DELAY, PATH, PATH_END, BOUND, BOUNDARY, CONDITION, INTEGRAL, LINK, ENDS)
+
+
+def kind_called(name: str) -> ConstraintKind:
+    """The row of a name."""
+    return next(kind for kind in KINDS if kind.name == name)
 
 
 def kind_between(constraint: Constraint) -> ConstraintKind:

@@ -15,6 +15,13 @@ from command_line import solved_once, started, trajopt
 
 pytestmark = pytest.mark.usefixtures("folder")
 
+
+@pytest.fixture(autouse=True)
+def anew(monkeypatch):
+    """A solve that is known leaves little to interrupt."""
+    monkeypatch.setenv("TRAJOPT_CACHE", "off")
+
+
 LONG = ["solve", "cartpole", "--segments", "4000"]  # a second of building and another of solving
 PATIENCE = 60
 

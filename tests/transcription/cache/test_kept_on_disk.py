@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -14,8 +15,10 @@ import symengine as se
 from command_line import TRAJOPT, process, trajopt
 
 from trajopt.problems.errors import Mistake, SpecError
+from trajopt.transcription import constraint_kinds
 from trajopt.transcription.cache import identity
 from trajopt.transcription.cache.entries import entries
+from trajopt.transcription.constraint_kinds import KINDS, ConstraintKind
 from trajopt.transcription.files import ready
 from trajopt.transcription.files.ready import ready_all
 from trajopt.transcription.program.backend import told
@@ -58,6 +61,8 @@ CASES = {
     "shooting": ("block_move_min_force", "--method", "runge-kutta-4", "--segments", "20"),
     "tables": ("min_time_climb", "--segments", "10"),
     "several phases": ("block_move_three_phases",),
+    "path constraints that hold at the ends": ("goddard_three_phases",),
+    "a path constraint of states": ("goddard_speed_limit",),
 }
 
 
@@ -247,3 +252,10 @@ def test_the_command_tells_why_there_is_no_cache(cache, monkeypatch):
     run = trajopt("cache", "clear")
     assert run.exit_code == 2 and "unset TRAJOPT_CACHE" in run.stderr
     assert trajopt("cache", "wipe").exit_code == 2
+
+
+def test_a_kind_of_constraint_is_a_row_of_its_table():
+    """Also one that was read from the disk: kinds are compared by identity."""
+    assert all(pickle.loads(pickle.dumps(kind)) is kind for kind in KINDS)
+    rows = [own for own in vars(constraint_kinds).values() if isinstance(own, ConstraintKind)]
+    assert sorted(map(str, rows)) == sorted(map(str, KINDS))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
@@ -136,10 +137,16 @@ measurements: {d: {data: {time: [1, 3], x: [0.4, 1]}}}
             "constraints: {integral: [{expression: u**2, upper: 3}]}\nmeasurements",
             "constraints.integral.0: .* name the integral under integrals:, and bound integral.NAME",
         ),
-        ("rate: u,", 'rate: "u - x(t - 1)", history: 0,', "time.final: the final time is free"),
     ],
 )
 def test_what_has_no_phases_of_its_own(old, new, says):
     with pytest.raises(SpecError, match=says) as error:
         load_text(CONTROLLED.replace(old, new), "x.yaml")
     assert len(error.value.mistakes) == 1
+
+
+def test_a_delay_beside_measurements_with_a_free_end():
+    """The last measurement is at t = 3, and the control follows what the delay asks for."""
+    delayed = CONTROLLED.replace("rate: u,", 'rate: "u - x(t - 1)", history: 0,')
+    with_delay, without = (trajopt.solve(trajopt.load(text)) for text in (delayed, CONTROLLED))
+    assert with_delay.solved and with_delay.objective == pytest.approx(without.objective, rel=1e-6)
