@@ -46,6 +46,7 @@ def building(*arguments: str):
         while "symengine" not in Path(f"/proc/{run.pid}/maps").read_text():
             assert time.monotonic() < deadline and run.poll() is None
             time.sleep(0.01)
+        time.sleep(0.5)  # the library is there some time before the model is begun
         yield run
 
 
