@@ -59,7 +59,8 @@ def conserved(
     first, last: their values at the initial and at the final time.
     """
     found = {name: names_asked(rate) for name, rate in zip(names, rates, strict=True)} if len(names) > 1 else {}
-    chosen = [i for i, name in enumerate(names) if name in _tied(found)]
+    tied = _tied(found)
+    chosen = [i for i, name in enumerate(names) if name in tied]
     if not chosen:
         return None
     names, rates = [names[i] for i in chosen], [rates[i] for i in chosen]

@@ -7,7 +7,7 @@ so that every function is consistent in the sense of the paper, section 5.5.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -63,13 +63,33 @@ def _power(base: Any, exponent: Any) -> Any:
     return base**exponent
 
 
-ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
+_ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
     "/": operator.truediv,
     "**": _power,
 }
+
+
+Work = Callable[[Any, Sequence[Any]], Any]
+"""(functions, operands) -> value; functions as of `Expression.__call__`."""
+
+
+def work_of(symbol: str, operands: int) -> Work:
+    """What an operation does.
+
+    symbol: of a function, of what stands in for one, or of arithmetic.
+    operands: how many there are.
+    """
+    if symbol in FUNCTIONS:
+        return FUNCTIONS[symbol].evaluate
+    if symbol in STAND_INS:
+        return STAND_INS[symbol]
+    if operands == 1:
+        return lambda _, values: -values[0]
+    own = _ARITHMETIC[symbol]
+    return lambda _, values: own(values[0], values[1])
 
 
 class Walk:
@@ -116,11 +136,7 @@ class Walk:
         return self.scope[key] if key in self.scope else self.values[key]
 
     def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
-        if symbol in FUNCTIONS:
-            return FUNCTIONS[symbol].evaluate(self.functions, operands)
-        if symbol in STAND_INS:
-            return STAND_INS[symbol](self.functions, operands)
-        return -operands[0] if len(operands) == 1 else ARITHMETIC[symbol](*operands)
+        return work_of(symbol, len(operands))(self.functions, operands)
 
     def look_up(self, node: Lookup, operands: list[Any]) -> Any:
         return self.tables[node.table].evaluate(self.functions, operands)

@@ -6,17 +6,11 @@ the last bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from itertools import zip_longest
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
-from .evaluation import ARITHMETIC, Evaluated
-from .functions import FUNCTIONS
-from .smooth import STAND_INS
+from .evaluation import Evaluated, Work, work_of
 from .tree import Chain, Lookup, Name, Node, Number, Operation
-
-Work = Callable[[Any, list[Any]], Any]
-"""(functions, operands) -> value."""
 
 
 class Tape:
@@ -60,12 +54,13 @@ class _Making:
         self.operations: list[tuple[int, Work, tuple[int, ...]]] = []
         self.results: list[int] = []
         self.scope: dict[str, int] = {}
-        self.binding: Any = ()
+        self.parameters: Mapping[str, float] = {}
+        self.definitions: Mapping[str, Evaluated] = {}
 
     def add(self, expression: Evaluated) -> None:
-        binding = (expression.parameters, expression.definitions)
-        if not all(a is b for a, b in zip_longest(binding, self.binding)):  # else names mean what they meant before
-            self.scope, self.binding = {}, binding
+        if expression.parameters is not self.parameters or expression.definitions is not self.definitions:
+            self.scope = {}  # names may mean something else than they did before
+            self.parameters, self.definitions = expression.parameters, expression.definitions
         self.key, self.tables = expression.key, expression.tables
         for name in expression.constants - self.scope.keys():
             self.scope[name] = self.parameter(name, expression.parameters[name])
@@ -95,18 +90,18 @@ class _Making:
             case Name():
                 return self.name(self.key(node.name, node.end or end))
             case Operation(symbol=symbol, operands=operands):
-                return self.work(symbol, _work(symbol, len(operands)), [self.place(own, end) for own in operands])
+                return self.work(symbol, work_of(symbol, len(operands)), [self.place(own, end) for own in operands])
             case Lookup(table=name, operands=operands):
                 table = self.tables[name]
 
-                def look_up(functions: Any, values: list[Any]) -> Any:
+                def look_up(functions: Any, values: Sequence[Any]) -> Any:
                     return table.evaluate(functions, values)
 
                 return self.work((Lookup, name), look_up, [self.place(own, end) for own in operands])
             case Chain(first=first, links=links):
                 place = self.place(first, end)
                 for link in links:
-                    place = self.work(link.symbol, _work(link.symbol, 2), [place, self.place(link.operand, end)])
+                    place = self.work(link.symbol, work_of(link.symbol, 2), [place, self.place(link.operand, end)])
                 return place
         raise TypeError(f"{type(node).__name__} is no node of an expression")
 
@@ -123,17 +118,6 @@ class _Making:
         if new:
             self.operations.append((place, work, tuple(operands)))
         return place
-
-
-def _work(symbol: str, operands: int) -> Work:
-    if symbol in FUNCTIONS:
-        return FUNCTIONS[symbol].evaluate
-    if symbol in STAND_INS:
-        return STAND_INS[symbol]
-    if operands == 1:
-        return lambda _, values: -values[0]
-    own = ARITHMETIC[symbol]
-    return lambda _, values: own(values[0], values[1])
 
 
 def _in_few_cells(made: _Making) -> tuple[list[tuple[int, Work, tuple[int, ...]]], list[int], list[Any]]:

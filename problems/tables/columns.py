@@ -16,7 +16,8 @@ from .choices import MAX_VALUES
 MAX_BYTES = 10_000_000
 MAX_TOLD = 10  # mistakes of one file
 
-_opened: list[Path] = []
+_opened = [0]
+"""CSV files so far, of this process."""
 
 Rows = list[tuple[int, list[str]]]
 """The line and the cells of each row that is neither empty nor a comment."""
@@ -117,11 +118,11 @@ def _inside(folder: Path, file: str) -> Path:
 
 def opened() -> int:
     """CSV files that this process has opened: whoever keeps what was read asks whether the problem file was all."""
-    return len(_opened)
+    return _opened[0]
 
 
 def _text(path: Path, file: str) -> str:
-    _opened.append(path)
+    _opened[0] += 1
     try:
         with path.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
