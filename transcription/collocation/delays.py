@@ -21,43 +21,24 @@ that of 2 for trapezoid, 3 for Hermite-Simpson, as measured); on others the obje
 from __future__ import annotations
 
 from dataclasses import fields
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...problems.lean.records import dataclass
 from ...problems.quantities import Delayed
-from ..constraint_kinds import DELAY
-from ..libraries.pyomo import Constraint, RangeSet, pyomo
+from ..libraries.pyomo import pyomo
 from ..program.templates import item
 from ..schemes.mesh import Mesh
-from ..schemes.polynomials import lagrange_basis
 from ..schemes.scheme import Scheme, collocation_scheme
 from .builder import PhaseBuilder
-from .moving import ALIGNED, add_moving, shares_of
+from .moving import ALIGNED, add_moving, add_rows, data_of_rows, expansion, shares_of
 
 
 def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A, shape (m, d + 1), and G, shape (m,), at theta, shape (m,)."""
-    sigma = scheme.sigma
-    A = lagrange_basis(sigma, theta)
-    if len(sigma) > len(scheme.c):
-        return A, np.zeros(len(theta))
-    assert scheme.collocated[0] == 0  # else there would be a state node more
-    others = sigma[1:]
-    G = theta * np.prod((theta[:, None] - others) / (0.0 - others), axis=1)  # omega'(0) = product of (0 - sigma_j)
-    return A - G[:, None] * _slopes_at_start(sigma), G
-
-
-def _slopes_at_start(sigma: np.ndarray) -> np.ndarray:
-    """l_j'(0), shape (d + 1,): the first row of the differentiation matrix, by barycentric weights."""
-    differences = sigma[:, None] - sigma + np.eye(len(sigma))
-    w = 1 / np.prod(differences, axis=1)
-    slopes = np.zeros(len(sigma))
-    slopes[1:] = w[1:] / w[0] / (sigma[0] - sigma[1:])
-    slopes[0] = -slopes[1:].sum()
-    return slopes
+    A, G = expansion(scheme, theta, order=0)
+    return A[0], G[0]
 
 
 @dataclass(frozen=True)
@@ -137,23 +118,21 @@ def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarra
     if not len(points):
         return
     name = f"history{number}"
-    over = _over(builder, name, len(points))
-    point, value = (builder.data(f"{name}_{k}", over, v) for k, v in (("point", points), ("value", own.before(t))))
+    over, (point, value) = data_of_rows(builder, name, [points, own.before(t)])
 
     def rule(block: Any, q: Any) -> Any:
         return item(block.z, own.name, item(point, q)) - item(value, q) == 0.0
 
-    _add(builder, name, over, rule, own, points)
+    add_rows(builder, name, over, rule, own, points)
 
 
 def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, slope: bool = False) -> None:
     if not len(rows.point):
         return
     mesh, width = builder.mesh, rows.A.shape[1]
-    over = _over(builder, name, len(rows.point))
+    columns = [rows.point, mesh.first[rows.segment], mesh.widths[rows.segment] * rows.G]
+    over, (point, first, bend) = data_of_rows(builder, name, columns)
     builder.owners[over.name] = rows.segment  # the costates at their knots count what is read there
-    columns = {"point": rows.point, "first": mesh.first[rows.segment], "bend": mesh.widths[rows.segment] * rows.G}
-    point, first, bend = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
     # Row q of a table of W columns starts at W q: Pyomo is slower with two indices.
     A, node = (builder.data(f"{name}_{key}", None, own.ravel()) for key, own in (("A", rows.A), ("node", rows.node)))
     states = {state.name: state for state in builder.phase.states}
@@ -166,54 +145,35 @@ def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, sl
             value = value + builder.duration * item(bend, q) * f
         return item(block.z, own.name, item(point, q)) == value
 
-    _add(builder, name, over, rule, own, rows.point)
+    add_rows(builder, name, over, rule, own, rows.point)
 
 
 def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
     """y_k == x at a node inside a segment."""
     if not len(rows.point):
         return
-    over = _over(builder, name, len(rows.point))
-    builder.owners[over.name] = rows.segment
     node = np.take_along_axis(rows.node, rows.A.argmax(axis=1)[:, None], axis=1)[:, 0]
-    point, at = (builder.data(f"{name}_{key}", over, v) for key, v in (("point", rows.point), ("node", node)))
+    over, (point, at) = data_of_rows(builder, name, [rows.point, node])
+    builder.owners[over.name] = rows.segment
 
     def rule(block: Any, q: Any) -> Any:
         return item(block.z, own.name, item(point, q)) == item(block.x, own.state, item(at, q))
 
-    _add(builder, name, over, rule, own, rows.point)
+    add_rows(builder, name, over, rule, own, rows.point)
 
 
 def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
     """y_k == x at a knot, which belongs to both its segments, as y_k does; at the initial time partly the history."""
     if not len(rows.point):
         return
-    over, first = _over(builder, name, len(rows.point)), rows.knot == 0
+    first, history = rows.knot == 0, float(own.before(np.array(builder.phase.initial_time.lower)))
+    shares, rests = np.where(first, rows.after, 1.0), np.where(first, rows.before * history, 0.0)
+    columns = [rows.point, builder.mesh.knots[rows.knot], shares, rests]
+    over, (point, knot, share, rest) = data_of_rows(builder, name, columns)
     builder.shared[over.name] = rows.knot, np.where(first, 0.0, rows.before), np.where(first, 1.0, rows.after)
-    history = float(own.before(np.array(builder.phase.initial_time.lower)))
-    columns = {
-        "point": rows.point,
-        "knot": builder.mesh.knots[rows.knot],
-        "share": np.where(first, rows.after, 1.0),
-        "rest": np.where(first, rows.before * history, 0.0),
-    }
-    point, knot, share, rest = (builder.data(f"{name}_{key}", over, values) for key, values in columns.items())
 
     def rule(block: Any, q: Any) -> Any:
         x = item(block.x, own.state, item(knot, q))
         return item(block.z, own.name, item(point, q)) == item(share, q) * x + item(rest, q)
 
-    _add(builder, name, over, rule, own, rows.point)
-
-
-def _over(builder: PhaseBuilder, name: str, size: int) -> Any:
-    over = RangeSet(0, size - 1)
-    builder.block.add_component(f"{name}_q", over)
-    return over
-
-
-def _add(builder: PhaseBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
-    constraint = Constraint(over, rule=partial(rule))
-    builder.block.add_component(name, constraint)
-    times = builder.mesh.fractions[points]
-    builder.tell(constraint, DELAY, own.name, (times, times), builder.mesh.weights[points])
+    add_rows(builder, name, over, rule, own, rows.point)

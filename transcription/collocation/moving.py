@@ -39,24 +39,28 @@ ORDER = 2
 """Of the expansion."""
 
 
-def expansion(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def expansion(scheme: Scheme, theta: np.ndarray, order: int = ORDER) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients of delta^m in the interpolant at theta + delta: A (m, M, d + 1) of states, G (m, M) of h f_0.
 
     scheme: of collocation.
     theta: (M,) on its segment.
+    order: the largest m.
     """
     sigma = scheme.sigma
     D = differentiation_matrix(sigma, sigma)
-    A = np.empty((ORDER + 1, len(theta), len(sigma)))
+    A = np.empty((order + 1, len(theta), len(sigma)))
     A[0] = lagrange_basis(sigma, theta)
-    for m in range(1, ORDER + 1):
+    for m in range(1, order + 1):
         A[m] = A[m - 1] @ D / m
+    G = np.zeros(A.shape[:2])
     if len(sigma) > len(scheme.c):
-        return A, np.zeros(A.shape[:2])
+        return A, G
     assert scheme.collocated[0] == 0  # else there would be a state node more
-    omega = np.polynomial.Polynomial.fromroots(sigma)
-    slope = float(np.prod(-sigma[1:]))
-    G = np.stack([(omega.deriv(m) if m else omega)(theta) / slope / max(m, 1) for m in range(ORDER + 1)])
+    G[0] = theta
+    G[1:2] = 1.0
+    for node in sigma[1:]:  # omega / omega'(0) is theta times the product of (theta - sigma_j) / (0 - sigma_j)
+        G[1:] = (G[1:] * (theta - node) + G[:-1]) / -node
+        G[0] *= (theta - node) / -node
     return A - G[..., None] * D[0], G
 
 
@@ -117,13 +121,13 @@ def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarra
     if not len(points):
         return
     name = f"history{number}"
-    over, (point, fraction) = _data(builder, name, [points, builder.mesh.fractions[points]])
+    over, (point, fraction) = data_of_rows(builder, name, [points, builder.mesh.fractions[points]])
 
     def rule(block: Any, q: Any) -> Any:
         t = block.t0 + builder.duration * item(fraction, q) - own.lag
         return item(block.z, own.name, item(point, q)) - own.history({"t": t}, pyomo) == 0.0
 
-    _add(builder, name, over, rule, own, points)
+    add_rows(builder, name, over, rule, own, points)
 
 
 def _read(builder: PhaseBuilder, name: str, own: Delayed, at: Reads) -> None:
@@ -134,7 +138,7 @@ def _read(builder: PhaseBuilder, name: str, own: Delayed, at: Reads) -> None:
     node, A, G = _expansions(source.mesh, at)
     width, h = A.shape[2], source.mesh.widths[at.segment]
     columns = [at.points, builder.mesh.fractions[at.points], at.s, 1 / h, source.mesh.first[at.segment], *(h * G)]
-    over, (point, fraction, s, per_width, first, *bends) = _data(builder, name, columns)
+    over, (point, fraction, s, per_width, first, *bends) = data_of_rows(builder, name, columns)
     source.owners[over.name] = at.segment  # the costates at their knots count what is read there
     # Row q of a table of W columns starts at W q: Pyomo is slower with two indices.
     nodes = builder.data(f"{name}_node", None, node.ravel())
@@ -150,7 +154,7 @@ def _read(builder: PhaseBuilder, name: str, own: Delayed, at: Reads) -> None:
         delta = (earlier / source.duration - item(s, q)) * item(per_width, q)
         return item(block.z, own.name, item(point, q)) == _horner(terms, pyomo.tanh(delta))
 
-    _add(builder, name, over, rule, own, at.points)
+    add_rows(builder, name, over, rule, own, at.points)
 
 
 def _horner(coefficients: Sequence[Any], delta: Any) -> Any:
@@ -172,14 +176,28 @@ def _expansions(mesh: Mesh, at: Reads) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return node, A, G
 
 
-def _data(builder: PhaseBuilder, name: str, columns: Sequence[np.ndarray]) -> tuple[Any, list[Any]]:
-    """A Set of rows, and a Param over it for each column."""
+def data_of_rows(builder: PhaseBuilder, name: str, columns: Sequence[np.ndarray]) -> tuple[Any, list[Any]]:
+    """A Set of rows, and a Param over it for each column.
+
+    builder: of the phase.
+    name: of the rows.
+    columns: (Q,) each.
+    """
     over = RangeSet(0, len(columns[0]) - 1)
     builder.block.add_component(f"{name}_q", over)
     return over, [builder.data(f"{name}_{i}", over, column) for i, column in enumerate(columns)]
 
 
-def _add(builder: PhaseBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
+def add_rows(builder: PhaseBuilder, name: str, over: Any, rule: Any, own: Delayed, points: np.ndarray) -> None:
+    """Add what says what a state at an earlier time is.
+
+    builder: of the phase.
+    name: of the rows.
+    over: their Set.
+    rule: of the block and a row.
+    own: the state.
+    points: (Q,) where it is.
+    """
     constraint = Constraint(over, rule=partial(rule))
     builder.block.add_component(name, constraint)
     times = builder.mesh.fractions[points]

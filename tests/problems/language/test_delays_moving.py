@@ -8,6 +8,7 @@ import trajopt
 from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import SpecError
+from trajopt.transcription.collocation.moving import expansion
 from trajopt.transcription.loading import load_yaml
 from trajopt.transcription.settings import Step
 from trajopt.transcription.transcribe import program
@@ -106,3 +107,18 @@ def test_a_phase_by_shooting_has_no_interpolant_to_read():
     phases = f"phases={{a: {first}, b: {{states: {{x: {{rate: x(t - tau) + u}}}}}}}}"
     with pytest.raises(SpecError, match=r"runge-kutta-4 cannot take a state at an earlier time, and x\(t - tau\) is"):
         trajopt.load(SYSTEM.replace("rate: t*x + x(t - tau) + u", "rate: u"), [phases, "reference="])
+
+
+@pytest.mark.parametrize(("name", "degree"), [("gauss", 3), ("radau", 20), ("lobatto", 5), ("lobatto", 30)])
+def test_what_moves_is_expanded_exactly(name, degree):
+    """Values, first and second derivatives of all polynomials that a state can be, of high degree too."""
+    scheme = Step(name, 1, 1e-8, degree=degree).mesh().schemes[0]
+    theta = np.array([0.0, 0.13, 0.5, 0.87, 1.0])
+    A, G = expansion(scheme, theta)
+    for k in range(len(scheme.c) + 1):
+        monomial = np.polynomial.Polynomial.basis(k)
+        expected = [monomial(theta), monomial.deriv()(theta), monomial.deriv(2)(theta) / 2]
+        for m, value in enumerate(expected):
+            assert A[m] @ scheme.sigma**k + G[m] * float(k == 1) == pytest.approx(
+                value, abs=1e-12 * degree ** (2 * m + 1)
+            )
