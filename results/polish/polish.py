@@ -75,7 +75,7 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
     began, first = perf_counter(), Polished(solution, spec)
     if not solution.solved:
         return first
-    spent = _seconds(solution)
+    spent = solution.seconds_of_meshes
     end = began + max((spec.solver.seconds or inf) - spent - solution.elsewhere, 0.0)
     found = why_not(spec) or _polished(
         _written(first), progress, lambda: perf_counter() > end or (stop is not None and stop())
@@ -95,7 +95,7 @@ def polish(spec: Spec, solution: Solution, progress: Progress = None, stop: Stop
         unmet=new.unmet if missed else (),
         stopped=stopped,
         discarded=(*solution.meshes, *solution.discarded, *new.discarded),
-        elsewhere=solution.elsewhere + spent + perf_counter() - began - _seconds(new),
+        elsewhere=solution.elsewhere + spent + perf_counter() - began - new.seconds_of_meshes,
     )
     return Polished(new, found.spec)
 
@@ -105,11 +105,6 @@ def _written(first: Polished) -> Polished:
     if not has_slack(first.spec):
         return first
     return Polished(first.solution, load_yaml(with_slack(first.spec), file=first.spec.file))
-
-
-def _seconds(solution: Solution) -> float:
-    """Of its meshes."""
-    return sum(sum(record.seconds.values()) for record in solution.meshes)
 
 
 def _polished(first: Polished, progress: Progress, stop: Stop) -> Polished | str:

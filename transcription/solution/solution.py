@@ -138,6 +138,11 @@ class Solution:
         return "mend the cause: more iterations do not help" if known else self.status.remedy
 
     @property
+    def seconds_of_meshes(self) -> float:
+        """Of the work on the meshes that led here, `elsewhere` left out."""
+        return sum(sum(record.seconds.values()) for record in self.meshes)
+
+    @property
     def solved(self) -> bool:
         """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
