@@ -27,7 +27,7 @@ from ..problems.text import did_you_mean, shorten
 from ..problems.yaml.locations import Finding
 from .settings import schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
-from .solve import solve, with_elsewhere
+from .solve import solve
 from .starts.near import Near, near
 
 SMALLEST = 1 / 64
@@ -66,7 +66,7 @@ def solve_spec(
         solution = solve(problems, *how, guess=guess, near=near, progress=progress, stop=stop)
     else:
         solution = _Way(spec, problems, progress, stop).walked()
-    return with_elsewhere(solution, began)
+    return solution.since(began)
 
 
 def is_direct(spec: Spec) -> bool:

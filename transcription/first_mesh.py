@@ -11,7 +11,7 @@ from typing import Protocol
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
-from .one_mesh import Found, Origin, added, solve_mesh
+from .one_mesh import Found, Origin, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
@@ -104,7 +104,7 @@ def _of_many(
         found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guesses), watch)
         objectives.append(found[0].objective if found[0].status.usable else None)
         one, other = (found, best) if better(found[0], best[0], problem.sense) else (best, found)
-        records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
+        records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
     return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
 

@@ -19,10 +19,11 @@ from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import Body, control_of
+from .bodies import control_of
 from .check import mistakes
 from .closed import AXES, Closed, forces_of, name_of, with_loops
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
+from .picture import drawing
 from .robots import robot_of, write_chain
 from .sections import list_in, mapping_in
 from .step import Stride
@@ -277,31 +278,3 @@ class _Writer:
             if name not in known:
                 self.short["constraints", "boundary", len(boundary)] = ("model", "step")
                 boundary.append({"name": name, "expression": text, "equals": 0})
-
-
-def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
-    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip.
-
-    A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
-    """
-    legs = chain.entry.step and Stride(chain, chain.entry.step)
-    first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
-    if chain.entry.base == CART:
-        yield {"ground": f"-{first}/20"}
-        yield {"box": [ACROSS, 0], "width": f"0.3*{first}", "height": f"{first}/10", "name": CART_NAME}
-    if chain.entry.step:
-        yield {"ground": 0}
-    for body in chain.bodies:
-        ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
-        yield {"line": ends, "name": body.name, **(_look_of(legs, body) if legs else {})}
-    tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
-    own = {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
-    yield {**own, "color": _look_of(legs, last)["color"]} if legs else own
-
-
-def _look_of(legs: Stride, body: Body) -> dict[str, Any]:
-    """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
-    before = legs.before[body.number]
-    if before == body.number:
-        return {"color": "purple"}
-    return {"color": "vermilion", "dashed": True} if body.number < before else {"color": "blue"}

@@ -11,7 +11,8 @@ import yaml
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean, printable, unprintable
-from .document import MAX_LEVELS, TAKEN, Document, Path, dotted, in_words, value_of
+from .document import TAKEN, Document, Path, dotted, in_words, value_of
+from .unreadable import MAX_LEVELS
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset(

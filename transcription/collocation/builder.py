@@ -20,7 +20,6 @@ from ...problems.quantities import Function, Range
 from ..constraint_kinds import BOUND, BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
 from ..layout import Family
 from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, pyomo
-from ..measured.knots import knots_at
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .place import Place, Values
@@ -248,24 +247,6 @@ class PhaseBuilder(ABC):
     def cost(self) -> Any:
         cost = self.phase.mayer(self.ends(), pyomo) if self.phase.mayer else 0.0
         return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
-
-    def residuals(self) -> Any:
-        """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
-        phase, total = self.phase, 0.0
-        for own in phase.measured:
-            knots = self.mesh.knots[knots_at(self.mesh, phase.fractions_of(own.instants))]
-            h = [self._at_knot(own.function, *at) for at in zip(knots.tolist(), own.instants.tolist(), strict=True)]
-            if own.spans is not None:
-                h = [(b - a) / d for a, b, d in zip(h[::2], h[1::2], np.diff(own.spans)[:, 0].tolist(), strict=True)]
-            for one, y, w in zip(h, own.values.tolist(), own.weights.tolist(), strict=True):
-                total += w * (one - y) ** 2
-        return total
-
-    def _at_knot(self, function: Function, k: int, t: float) -> Any:
-        """A function of states and parameters at the point k, a knot, whose time is t."""
-        values = self.at(k, [state.name for state in self.phase.states], inputs=False)
-        values["t"] = t
-        return function(values, pyomo)
 
     def integral(self, w: Function) -> Any:
         """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""
