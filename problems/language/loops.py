@@ -163,7 +163,7 @@ class _Expander:
     def _each(self, loop: Any, so_far: list[Values]) -> list[Values]:
         most = min(MOST, MAX_NODES - self.made)
         made = ({**own, name: value} for own in so_far for name, value in pairs(loop, own, self.numbers))
-        found = list(islice(made, most + 1))  # two long ranges would take all memory
+        found: list[Values] = list(islice(made, most + 1))  # two long ranges would take all memory
         if len(found) > most:
             raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
         return found

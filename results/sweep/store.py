@@ -157,7 +157,7 @@ class Store:
     def finished(self, number: int, full: bool) -> bool:
         """Whether a case is solved, and all is there that should be kept of it."""
         record = self.records.get(number)
-        return bool(record and record["solved"]) and not (full and not self.result(record).exists())
+        return record is not None and record["solved"] and (not full or self.result(record).exists())
 
     def result(self, record: Mapping[str, Any]) -> Path:
         """The place of the full result of a case."""
