@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import prod
 from typing import Any
 
-from ..language.loops import Mistaken
+from ..language.ranges import Mistaken
 from ..lean.records import dataclass
 from ..names.symbols import UNKNOWN
 from ..text import tidy
