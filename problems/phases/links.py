@@ -55,7 +55,7 @@ def in_order(phase: Phase) -> Phase:
 
 def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:
     """Time and states that go on from phase to phase, but for what is given as one number on both sides."""
-    links = []
+    links: list[Constraint] = []
     for own in passages(spec):
         source, target = phases[own.source], phases[own.target]
         if goes_on_in_time(spec, own) and not (source.final_time.fixed and target.initial_time.fixed):
