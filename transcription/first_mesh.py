@@ -11,7 +11,7 @@ from typing import Protocol
 from ..problems.problem import Curves, Problem
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
-from .one_mesh import Found, Origin, added, solve_mesh
+from .one_mesh import Found, Origin, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
@@ -104,9 +104,9 @@ def _of_many(
         found = solve_mesh(problem, meshes, tolerance, settings, replace(start, guess=guesses), watch)
         objectives.append(found[0].objective if found[0].status.usable else None)
         one, other = (found, best) if better(found[0], best[0], problem.sense) else (best, found)
-        records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
+        records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
-    return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, told(objectives, problem.sense))), best[1]
 
 
 def _ran_away(failed: Solution) -> bool:
@@ -144,7 +144,7 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
                 break
     if doubt == MANY and not words:  # it is so of every such problem
         return first
-    return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, _told(own, idle, doubt, words, tried))), best[1]
 
 
 def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
@@ -210,7 +210,8 @@ def _explained(
     solution, solved = run(explanation.curves, limit)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
-        return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved
+        note += " that violates nothing, found without the objective"
+        return replace(solution, notes=(*solution.notes, note)), solved
     note = "the constraints can all hold, but the solve from a trajectory that violates none failed, too"
     return replace(failed, notes=(*failed.notes, note)), best[1]
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from ..engines.watch import Watch
 from ..first_mesh import better
-from ..one_mesh import Found, Origin, in_place, solve_mesh, tightened
+from ..one_mesh import Found, Origin, in_place, solve_mesh
 from ..pontryagin.needles import Lower
 from ..refinement.angles import short_turns
 from ..refinement.basin import left_basin
 from ..refinement.chatter import Damping
 from ..settings import Settings
 from ..transcribe import Planned
+from .tightened import tightened
 
 OF_BARRIER, SHARPER = 0.2, 0.01
 """Of the error bar: with more of the barrier in it the mesh is not to blame, and what is to be left of that."""
