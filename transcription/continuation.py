@@ -86,15 +86,18 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
     data = json.loads(spec.model_dump_json())
-    way, wrong = {}, []
+    way, own, wrong = {}, {}, []
     for given, values in spec.continuation.items():
         path = re.sub(r"^waypoints\.(\d+)\.(?!(?:states|time|name)\b)", r"waypoints.\1.states.", given)  # long form
-        own = _number_at(data, path)
-        if own is None:
+        number = _number_at(data, path)
+        if number is None:
             what = f"{path} is no number in this file, so there is nothing to go through"
             wrong.append(Finding(("continuation", path), what, _meant(path, data)))
         else:
-            way[path] = [*values, own] if values[-1] != own else list(values)
+            way[path], own[path] = list(values), number
+    if any(values[-1] != own[path] for path, values in way.items()):
+        as_long = len({len(values) for values in way.values()}) == 1  # then a file's own value at the end stands twice
+        way = {p: values if values[-1] == own[p] and not as_long else [*values, own[p]] for p, values in way.items()}
     if not wrong and len({len(values) for values in way.values()}) > 1:
         what = "the lists of values do not have one length, the values of the file counted"
         wrong.append(Finding(("continuation",), what, "give all of them the same number of values"))

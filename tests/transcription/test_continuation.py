@@ -89,6 +89,19 @@ def test_nothing_is_told_of_a_way_that_reaches_the_file():
 
 
 @pytest.mark.parametrize(
+    ("continuation", "way"),
+    [
+        ("{parameters.g: [0, 5, 9.81], parameters.far: [4, 3, 2]}", [[0, 5, 9.81, 9.81], [4, 3, 2, 1]]),
+        ("{parameters.g: [0, 5, 9.81], parameters.far: [3, 2]}", [[0, 5, 9.81], [3, 2, 1]]),
+        ("{parameters.g: [0, 9.81], parameters.far: [3, 1]}", [[0, 9.81], [3, 1]]),
+    ],
+)
+def test_lists_are_of_one_length_with_and_without_the_values_of_the_file(continuation, way):
+    spec = load_yaml(SWING, ["parameters.g=9.81", "parameters.far=1", f"continuation={continuation}"])
+    assert [*way_of(spec).values()] == way
+
+
+@pytest.mark.parametrize(
     ("continuation", "says"),
     [
         ("{parameters.h: [0]}", "parameters.h is no number"), ("{parameters: [0]}", "parameters is no number"),
