@@ -10,18 +10,11 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-_COMPARED = re.compile(r"\s*(<=|>=|==|<|>|=)\s*")
-SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
-"""What a sign makes of its right side: a bound of the left one."""
+from ..text import SIDES, compared
+
 _TURNED = {"upper": "lower", "lower": "upper", "equals": "equals"}
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*(?!\w*\s*\()")
 _BOUNDS = ("lower", "upper", "equals")
-
-
-def compared(text: str) -> tuple[list[str], list[str]]:
-    """The sides of a comparison, and the signs between them."""
-    parts = _COMPARED.split(text)
-    return [side.strip() for side in parts[::2]], parts[1::2]
 
 
 def write_conditions(data: Mapping[str, Any], static: bool) -> None:

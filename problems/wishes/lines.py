@@ -7,8 +7,7 @@ from typing import Any
 
 import yaml
 
-from ..language.conditions import SIDES, compared
-from ..text import shorten, tidy
+from ..text import SIDES, compared, shorten, tidy
 
 LONGEST = 60  # letters of a value in a message
 
