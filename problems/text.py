@@ -21,7 +21,7 @@ SAMPLED = 100
 FEWEST, MOST = 4, 10
 """Significant digits of a value with an error bar."""
 
-_COMPARED = re.compile(r"\s*(<=|>=|==|<|>|=)\s*")
+_COMPARED = re.compile("(<=|>=|==|<|>|=)")
 SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
 """What a sign makes of its right side: a bound of the left one."""
 
