@@ -106,7 +106,7 @@ def _of_many(
         one, other = (found, best) if better(found[0], best[0], problem.sense) else (best, found)
         records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
-    return replace(best[0], notes=(told(objectives, problem.sense),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, told(objectives, problem.sense))), best[1]
 
 
 def _ran_away(failed: Solution) -> bool:
@@ -144,7 +144,7 @@ def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Foun
                 break
     if doubt == MANY and not words:  # it is so of every such problem
         return first
-    return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, _told(own, idle, doubt, words, tried))), best[1]
 
 
 def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
@@ -210,7 +210,8 @@ def _explained(
     solution, solved = run(explanation.curves, limit)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
-        return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved
+        note += " that violates nothing, found without the objective"
+        return replace(solution, notes=(*solution.notes, note)), solved
     note = "the constraints can all hold, but the solve from a trajectory that violates none failed, too"
     return replace(failed, notes=(*failed.notes, note)), best[1]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,7 +16,7 @@ from pydantic import ValidationError
 from ..expressions.signature import name_trouble
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
-from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
+from ..schema.model import BASE, CART, FLOATING, WELDED, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -70,22 +71,25 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     """Declare what a mistaken chain would, with unknown values, about which no check says anything; model: as given."""
     links = model.get("links")
     links = [own if isinstance(own, dict) else {} for own in (links if isinstance(links, list) else [])]
-    angles = [str(own.get("angle") or f"q{i}") for i, own in enumerate(links, start=1)]
-    angles = [q for q in angles if not name_trouble(q)]
-    coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *angles]
+    numbers = list(accumulate(int(own.get("joint") != WELDED) for own in links))  # links that are fixed are not counted
+    moving = [(i, own) for i, own in zip(numbers, links, strict=True) if own.get("joint") != WELDED]
+    named = [str(own.get("angle") or own.get("distance") or f"q{i}") for i, own in moving]
+    places = [q for q in named if not name_trouble(q)]
+    coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *places]
     states = mapping_in(data, "states")
     for name in (*coordinates, *(f"d{q}" for q in coordinates), *states):
         own = states.get(name) or {}
         if isinstance(own, dict) and not own.keys() & {"rate", "next", "accel", "velocity"}:
             states[name] = {**own, "rate": UNKNOWN}
     carts = [model["cart"]] if isinstance(model.get("cart"), dict) else []
-    for number, own in [*((0, own) for own in carts), *enumerate(links, start=1)]:
+    for number, own in [*((0, own) for own in carts), *moving]:
         motor = own.get("motor")
         name = control_of(motor, number) if isinstance(motor, str | bool) else ""
         if name not in states and not name_trouble(name):
             mapping_in(data, "controls").setdefault(name, {})
     names = "|".join(["com", *(re.escape(str(own.get("name") or f"link{i}")) for i, own in enumerate(links, start=1))])
-    for word in filter(re.compile(rf"({names})_[va]?[xy]").fullmatch, words_of(data)):
+    made = rf"({names})_([va]?[xy]|{'|'.join(_GIVEN)})"
+    for word in filter(re.compile(made).fullmatch, words_of(data)):
         mapping_in(data, "expressions").setdefault(word, UNKNOWN)
 
 

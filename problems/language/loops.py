@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 from ..expressions.slips import MAX_LENGTH
@@ -160,8 +161,10 @@ class _Expander:
         return found
 
     def _each(self, loop: Any, so_far: list[Values]) -> list[Values]:
-        found: list[Values] = [{**own, name: value} for own in so_far for name, value in pairs(loop, own, self.numbers)]
-        if len(found) > MOST or self.made + len(found) > MAX_NODES:
+        most = min(MOST, MAX_NODES - self.made)
+        made = ({**own, name: value} for own in so_far for name, value in pairs(loop, own, self.numbers))
+        found: list[Values] = list(islice(made, most + 1))  # two long ranges would take all memory
+        if len(found) > most:
             raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
         return found
 

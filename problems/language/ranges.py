@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from math import isclose
+from math import isclose, isfinite
 from typing import Any
 
 from ..expressions.expression import parse
@@ -110,6 +110,6 @@ def whole(text: str, values: Values, numbers: Values, in_loop: bool = True) -> i
             otherwise = f"{'name a variable of the loop, or' if in_loop else 'write a number, or name'} a {parameter}"
             raise Mistaken(f'"{brief(text)}": {what}', did_you_mean(leaf.name, known, otherwise))
     value = expression.bind({name: float(own) for name, own in known.items() if isinstance(own, int)}, {}).constant()
-    if not isclose(value, round(value), abs_tol=1e-9):
+    if not isfinite(value) or not isclose(value, round(value), abs_tol=1e-9):
         raise Mistaken(f'"{brief(text)}" is {value:g}, no whole number', "change it")
     return round(value)

@@ -56,9 +56,9 @@ def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Fou
     outcome = engine_solve(settings.engine)(
         damped or nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
     )
-    if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
+    if outcome.status is not Status.SOLVED:
         return found
-    better, again = measured(
-        solved.transcription, nlp, outcome, solved.damping, tolerance, [began] * 3 + [time.perf_counter()]
-    )
-    return in_place(found, (better, again))
+    clock = [began] * 3 + [time.perf_counter()]
+    better = measured(solved.transcription, nlp, outcome, solved.damping, tolerance, clock)  # J without damping
+    moved = abs(better[1].outcome.objective - solved.outcome.objective)
+    return found if moved > MOST_MOVED * own.gap else in_place(found, better)

@@ -17,7 +17,7 @@ from ...problems.probe import depends_on, names_asked
 from ...problems.problem import Curves, Phase
 from ...problems.quantities import Constraint as PathConstraint
 from ...problems.quantities import Function, Range
-from ..constraint_kinds import BOUND, BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
+from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind, range_of_state
 from ..layout import Family
 from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, pyomo
 from ..program.templates import item
@@ -230,14 +230,14 @@ class PhaseBuilder(ABC):
 
     def _bounds_of_computed_states(self) -> None:
         for place in self.places():
-            for name, bounds in place.computed.items():
-                if bounds == Range():
+            for state in place.computed:
+                if (asked := range_of_state(place.asked, state)) == Range():
                     continue
 
-                def relation(k: Any, place: Place = place, name: str = name, bounds: Range = bounds) -> Any:
-                    return between(bounds, place.values(k)[name])
+                def relation(k: Any, place: Place = place, name: str = state.name, asked: Range = asked) -> Any:
+                    return between(asked, place.values(k)[name])
 
-                self._at_place(f"bound_{name}", place, relation, BOUND, name)
+                self._at_place(f"bound_{state.name}", place, relation, place.asked, state.name)
 
     def _at_place(self, component: str, place: Place, relation: Any, kind: ConstraintKind, name: str) -> None:
         times = self.mesh.fractions[place.points]

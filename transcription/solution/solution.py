@@ -103,8 +103,9 @@ class Solution:
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
     the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`. estimates:
-    of the static parameters, where something is measured. prices: of each phase, see `structure.prices`. arcs: of each
-    phase, see `structure.courses`. program: its kind, in words, if it is linear or quadratic.
+    of the static parameters, where something is measured. prices: of each phase, and prices_between: of conditions on
+    several, see `structure.prices`. arcs: of each phase, see `structure.courses`. program: its kind, in words, if it is
+    linear or quadratic.
     """
 
     problem: Problem
@@ -127,6 +128,7 @@ class Solution:
     discarded: tuple[MeshRecord, ...] = ()
     elsewhere: float = 0.0
     prices: tuple[Mapping[str, float], ...] = ()
+    prices_between: Mapping[str, float] = field(default_factory=dict)
     arcs: tuple[tuple[Course, ...], ...] = ()
     program: str = ""
     estimates: Estimates | None = None
