@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from ..dual.multipliers import ACTS, Multipliers
-from ..engines.linear import solved
+from ..engines.linear import hessian_of, jacobian_of, solved
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..measured.estimated import Estimates
@@ -77,18 +77,13 @@ class _Program:
     def __init__(
         self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, parameters: np.ndarray
     ) -> None:
-        from scipy.sparse import coo_matrix, diags
-
         self.nlp, self.outcome, self.parameters = nlp, outcome, parameters
         own = Multipliers(transcription, nlp, outcome)
         lower, upper, rows = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
         self.rows = np.flatnonzero(own.equations | rows)
-        z, y, n = outcome.z, outcome.y, nlp.n
-        half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (n, n)).tocsr()
-        self.H = half + half.T - diags(half.diagonal())
-        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows]
+        self.H, self.A = hessian_of(nlp, outcome.z, outcome.y), jacobian_of(nlp, outcome.z)[self.rows]
         held, bounded = own.bounds[0] == own.bounds[1], lower | upper
-        held |= bounded & ~np.isin(np.arange(n), parameters)
+        held |= bounded & ~np.isin(np.arange(nlp.n), parameters)
         self.moving = np.flatnonzero(~(held | self._held(own, np.flatnonzero(~held)) & bounded))
         measured = (own for phase in transcription.problem.phases for own in phase.measured)
         self.size = float(sum((own.weights * own.values**2).sum() for own in measured))
