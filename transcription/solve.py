@@ -190,6 +190,8 @@ class _Loop:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         run, watch = solve_mesh if number else solve_first_mesh, self._watch()
         found = run(*self.steps[number], self.settings, start, watch)
+        own, _, tolerance = self.steps[number]
+        self.steps[number] = own, list(found[0].meshes[-1].grids), tolerance  # the first may have more segments
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
@@ -215,11 +217,13 @@ class _Loop:
         damping = solved.damping.joined(rough, solution.objective)
         if len(damping.controls) == len(solved.damping.controls):
             damping, self.weakest = damping.stronger(), True
-        calm = solve_mesh(*self.steps[number], self.settings, Origin(solution.trajectories, None, damping), watch)
-        if not calm[0].status.may_replace(solution.status) or left_basin(solution, calm[0]):
-            self.rough = True
-            return found
-        return in_place(found, calm)
+        for before in (None, solved):  # with its multipliers the solve is slower, and stays nearer
+            origin = Origin(solution.trajectories, before, damping)
+            calm = solve_mesh(*self.steps[number], self.settings, origin, watch)
+            if calm[0].status.may_replace(solution.status) and not left_basin(solution, calm[0]):
+                return in_place(found, calm)
+        self.rough = True
+        return found
 
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""

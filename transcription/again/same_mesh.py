@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ..attempts.attempt import better
 from ..engines.watch import Watch
-from ..first_mesh import better
 from ..one_mesh import Found, Origin, in_place, solve_mesh, tightened
 from ..pontryagin.needles import Lower
 from ..refinement.angles import short_turns
