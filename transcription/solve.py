@@ -11,7 +11,7 @@ from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
-from .again.same_mesh import from_lower, sharpened, with_short_turns
+from .again.same_mesh import from_coarser, from_lower, sharpened, with_short_turns
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
 from .failure.runaway import runaway_times
@@ -188,10 +188,13 @@ class _Loop:
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
-        run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        found = run(*self.steps[number], self.settings, start, watch)
-        own, _, tolerance = self.steps[number]
-        self.steps[number] = own, list(found[0].meshes[-1].grids), tolerance  # the first may have more segments
+        watch = self._watch()
+        if number:
+            found = from_coarser(self.steps[number], self.settings, start, watch)
+        else:
+            found = solve_first_mesh(*self.steps[number], self.settings, start, watch)
+            own, _, tolerance = self.steps[number]
+            self.steps[number] = own, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes

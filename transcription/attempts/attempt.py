@@ -31,7 +31,9 @@ class Attempt:
 
         iterations: at most; None for as many as the settings allow.
         """
-        return solve_mesh(self.problem, self.meshes, self.tolerance, self._within(iterations), self.start, self.watch)
+        return solve_mesh(
+            self.problem, self.meshes, self.tolerance, self.settings.within(iterations), self.start, self.watch
+        )
 
     def run(
         self, guess: Sequence[Curves] | None, limit: Limit, *, times: int = 1, iterations: int | None = None
@@ -44,14 +46,8 @@ class Attempt:
         iterations: at most; None for as many as the settings allow.
         """
         origin, watch = replace(self.start, guess=guess, near=None), replace(self.watch, stop=limit.reached)
-        settings = self._within(iterations)
+        settings = self.settings.within(iterations)
         return solve_mesh(self.problem, self.finer(times), self.tolerance, settings, origin, watch)
-
-    def _within(self, iterations: int | None) -> Settings:
-        """The settings, with so many iterations unless they say how many themselves."""
-        if iterations is None or "max_iter" in self.settings.options:
-            return self.settings
-        return replace(self.settings, options={**self.settings.options, "max_iter": iterations})
 
     def finer(self, times: int) -> list[Mesh]:
         """The meshes with this many segments for each; those of phases that have no other mesh stay as they are."""

@@ -31,8 +31,8 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     """Whether the objective of a finer mesh has moved by far more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
-    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. Where it has,
-    the wide bar of the finer mesh is of the other optimum, and excuses nothing.
+    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. The wide
+    bar that the finer mesh then has is of the other optimum, and excuses nothing.
 
     before: the solution on the mesh before.
     after: that on the finer mesh.
