@@ -35,8 +35,8 @@ from .damped import Squares
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
 TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
-OFTEN = 24  # turns, if they take more than a step: bang-bang controls with a point or two on each arc have some, too
-NEAR = 2  # points from one turn to the next, at most; half a segment's points if these are more
+PERIODS = 12  # one in each segment: bang-bang controls with few points on each arc have some, too
+NEAR = 2  # points from one turn to the next, at most
 STRENGTH = 1e-2
 WEAKER = 0.1
 FLAT = 1e-6  # of the size of a control: one that varies less does not chatter
@@ -147,19 +147,18 @@ def chatter(trajectories: Sequence[Trajectory], transcription: Transcription) ->
         for number, control in enumerate(layout.phase.controls):
             known = layout.u[number] >= 0
             u, tau = trajectory.u[number, known], layout.mesh.fractions[known]
-            near = np.maximum(np.ceil(layout.mesh.degrees_at_points[known] / 2), NEAR)
-            arcs = _turning(u, tau, near) if len(u) > TURNS else []
+            arcs = _turning(u, tau, layout.mesh.degrees_at_points[known]) if len(u) > TURNS else []
             found += [Rough(layout.phase.name, control.name, *ends, _range(control, u)) for ends in arcs]
     return found
 
 
-def _turning(u: np.ndarray, tau: np.ndarray, near: np.ndarray) -> list[tuple[float, float]]:
+def _turning(u: np.ndarray, tau: np.ndarray, degrees: np.ndarray) -> list[tuple[float, float]]:
     """The times before the first and after the last turn of each run of turns.
 
-    u, tau: (K,) at least two. near: (K,) points to the next turn, at most.
+    u, tau: (K,) at least two. degrees: (K,) points of the segment of each.
     """
     least = max(TURN * float(np.ptp(u)), FLAT * (1 + float(np.abs(u).max())))
-    runs = [*_runs(_sharp_turns(u, least), np.full(len(u), NEAR), TURNS), *_runs(_turns(u, least), near, OFTEN)]
+    runs = _runs(_sharp_turns(u, least), np.full(len(u), NEAR), TURNS) + _runs(_turns(u, least)[::2], degrees, PERIODS)
     return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs]
 
 
