@@ -52,7 +52,7 @@ def load(
     Raises FileError if the file cannot be read, and SpecError with all the mistakes in the file and the overrides.
     """
     source = Path(source)
-    return load_text(_read(source), str(source), overrides, methods, options, source.parent, more)
+    return load_text(read_text(source), str(source), overrides, methods, options, source.parent, more)
 
 
 def load_text(
@@ -150,8 +150,8 @@ def _unreadable(first: Finding, file: str) -> FileError:
     return FileError(Mistake(file, what, "solve the problem anew with this version of trajopt"))
 
 
-def _read(path: Path) -> str:
-    """The text of the file. Raises FileError with the reason, SpecError if it is not text."""
+def read_text(path: Path) -> str:
+    """The text of a problem file. Raises FileError with the reason, SpecError if it is not text."""
     if not path.exists():
         where = "it is not in this folder" if path.parent == Path() else f"look into {path.parent}"
         raise FileError(Mistake(str(path), "there is no such file", f"check the name: {where}"))

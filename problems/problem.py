@@ -215,6 +215,11 @@ class Problem:
     numbers: Mapping[str, float] = field(default_factory=dict)
     literal: tuple[float, ...] = ()
 
+    @property
+    def between(self) -> tuple[Function, ...]:
+        """The functions of the ends of several phases."""
+        return (*(link.function for link in self.links), *([self.mayer] if self.mayer else []))
+
     def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
         """Name of each static parameter -> its value at the start. guess: one for each phase."""
         values = dict(guess[0].parameters)

@@ -11,7 +11,7 @@ from .attempts.others import from_others
 from .attempts.segments import CRAWLING, may_crawl, of_the_mesh, on_more_segments
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
-from .one_mesh import Found, Origin, added
+from .one_mesh import Found, Origin
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
@@ -88,9 +88,9 @@ def _of_many(attempt: Attempt) -> Found:
         found = attempt.run(guesses, unlimited)
         objectives.append(found[0].objective if found[0].status.usable else None)
         one, other = (found, best) if better(found[0], best[0], sense) else (best, found)
-        records = (*one[0].meshes[:-1], added(other[0].meshes[-1], one[0].meshes[-1]))  # the work of all starts
+        records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
-    return replace(best[0], notes=(told(objectives, sense),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, told(objectives, sense))), best[1]
 
 
 def _ran_away(failed: Solution) -> bool:
@@ -122,7 +122,8 @@ def _explained(attempt: Attempt, best: Found, limit: Limit) -> Found:
     solution, solved = attempt.run(explanation.curves, limit)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
-        return replace(solution, notes=(f"{note} that violates nothing, found without the objective",)), solved
+        note += " that violates nothing, found without the objective"
+        return replace(solution, notes=(*solution.notes, note)), solved
     note = "the constraints can all hold, but the solve from a trajectory that violates none failed, too"
     return replace(failed, notes=(*failed.notes, note)), best[1]
 

@@ -64,17 +64,14 @@ def _exact_mesh(phase: Phase) -> Mesh | None:
 
 
 def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:
-    """The mesh schedule of a problem file: for each of its entries one step for each phase.
-
-    Raises SpecError for an unknown method.
-    """
+    """The mesh schedule of a problem file: for each of its entries one step for each phase."""
     from ..problems.phases.merge import phase_specs
 
     return list(zip(*(steps(own.mesh) for own in phase_specs(spec).values()), strict=True))
 
 
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
-    """The mesh schedule of one phase. Raises SpecError for an unknown method."""
+    """The mesh schedule of one phase."""
     keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
     return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
 

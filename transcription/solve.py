@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
-from time import perf_counter
 
 from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
-from .again.same_mesh import from_coarser, from_lower, sharpened, with_short_turns
+from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
+from .again.tightened import tightened
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Origin, in_place, solve_mesh, tightened
+from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
@@ -74,15 +74,6 @@ def solve(
     the engine cannot take its program.
     """
     return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None, near=near))
-
-
-def with_elsewhere(solution: Solution, began: float) -> Solution:
-    """The solution, with the seconds since `began` that none of its meshes has.
-
-    solution: of one solve or of several.
-    began: `time.perf_counter` at the start of the first.
-    """
-    return replace(solution, elsewhere=max(perf_counter() - began - solution.seconds_of_meshes, 0.0))
 
 
 class _Loop:
@@ -198,7 +189,8 @@ class _Loop:
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
-        solution = _out_of_time(solution, self.limit)
+        if solution.status is Status.INTERRUPTED and not self.limit.asked():
+            solution = solution.out_of_time()
         if self.last is None:
             return solution, solved
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
@@ -220,13 +212,9 @@ class _Loop:
         damping = solved.damping.joined(rough, solution.objective)
         if len(damping.controls) == len(solved.damping.controls):
             damping, self.weakest = damping.stronger(), True
-        for before in (None, solved):  # with its multipliers the solve is slower, and stays nearer
-            origin = Origin(solution.trajectories, before, damping)
-            calm = solve_mesh(*self.steps[number], self.settings, origin, watch)
-            if calm[0].status.may_replace(solution.status) and not left_basin(solution, calm[0]):
-                return in_place(found, calm)
-        self.rough = True
-        return found
+        calm = with_damping(self.steps[number], self.settings, found, damping, watch)
+        self.rough = calm is None
+        return calm or found
 
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""
@@ -313,11 +301,3 @@ class _Loop:
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
-
-
-def _out_of_time(solution: Solution, limit: Limit) -> Solution:
-    """The solution, whose status tells the time limit from an interruption."""
-    if solution.status is not Status.INTERRUPTED or limit.asked():
-        return solution
-    meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
-    return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)

@@ -210,7 +210,7 @@ def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Pl
     problems = [problem] * len(schedule) if isinstance(problem, Problem) else problem
     steps = [_plan(own, step) for own, step in zip(problems, schedule, strict=True)]
     mistakes = [
-        replace(mistake, where=re.sub(r"\bmesh\b", f"mesh.{number}", mistake.where, count=1))
+        replace(mistake, where=re.sub(r"^((?:phases\.[^.]+\.)?)mesh\b", rf"\g<1>mesh.{number}", mistake.where))
         for number, (own, meshes, _) in enumerate(steps)
         for mistake in refused(own, meshes)
     ]

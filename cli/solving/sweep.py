@@ -191,7 +191,8 @@ class _Run:
         if not self.as_json and not self.quiet:
             passed = time.monotonic() - tally.began
             print_sweep(self.spec.name, summary, self.store.folder, passed, tally.solved + tally.failed)
-        wrong = [r for n, r in self.store.records.items() if n in set(own) and r["status"] == MISTAKE]
+        mine = set(own)
+        wrong = [r for n, r in self.store.records.items() if n in mine and r["status"] == MISTAKE]
         for message in list(dict.fromkeys(record["message"] for record in wrong))[:MAX_TOLD]:
             print(f"error: {one_line(message)}", file=sys.stderr)
         self.code = USER_MISTAKE if wrong else 0 if summary["solved"] == summary["cases"] else NOT_SOLVED

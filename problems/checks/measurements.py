@@ -35,7 +35,7 @@ def measurement_mistakes(
     times: ranges of its initial and its final time, None where mistaken.
     alone: whether it is all of the file, which measurements make phases of where its time is free.
     """
-    if not spec.measurements:
+    if not spec.measurements or spec.static:  # of which `phases.timeless` tells
         return
     first: Path = ("measurements", next(iter(spec.measurements)))
     if spec.objective.sense == "maximize":
@@ -109,7 +109,8 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
     declared = any(symbols.roles.get(column) == "expression" for column in columns)  # and is mistaken itself
     if not entry.compare and not compared(entry, symbols) and not declared:
         known = [state.name for state in symbols.states]
-        remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {known[0]}}}")
+        example = known[0] if known else "x"
+        remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {example}}}")
         yield Finding(_place(entry, path), f"no column is named as a state: {', '.join(map(brief, columns))}", remedy)
 
 

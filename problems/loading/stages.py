@@ -13,6 +13,7 @@ from ..phases.short_forms import default_mesh, exact_mesh, is_discrete, is_stati
 from ..schema.spec import Spec
 from ..text import printable
 from ..vectors import write_out as vectors
+from ..vectors.presence import concerns, has_vectors
 from ..yaml.document import Document
 from ..yaml.document import Path as Place
 from ..yaml.locations import Finding, Locations
@@ -58,9 +59,9 @@ def without_vectors(
 
     Also the paths of all overrides so far, those that remain, and what else there is to know of what is made.
     """
-    if not vectors.has_vectors(document.data):
+    if not has_vectors(document.data):
         return document, before, overrides, vectors.WrittenOut(document.data)
-    now = [text for text in overrides if vectors.concerns(text.partition("=")[0].strip(), document.data)]
+    now = [text for text in overrides if concerns(text.partition("=")[0].strip(), document.data)]
     data, given = override(document, now)
     made = vectors.written_out(data)
     rest = [text for text in overrides if text not in now]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Lookup, Name, Node, nodes, skeleton
-from ..problem import Phase
+from ..problem import Problem
 from ..quantities import Function, Range
 from ..schema.spec import Spec
 from ..tables.choices import ERROR
@@ -88,10 +88,12 @@ def _taken_at(function: Expression, operand: Node, end: str | None) -> Expressio
     return part if end is None else part.at(end)
 
 
-def tables_of(phase: Phase) -> list[str]:
-    """The names of the tables that the equations of a phase look up."""
+def tables_of(problem: Problem) -> list[str]:
+    """The names of the tables that the equations of a problem look up."""
     found: dict[str, None] = {}
-    for function in (*phase.over_time, *phase.at_ends):
+    own = (function for phase in problem.phases for function in (*phase.over_time, *phase.at_ends))
+    measured = (entry.function for phase in problem.phases for entry in phase.measured)
+    for function in (*own, *measured, *problem.between):
         if isinstance(function, Expression):
             trees = (function.root, *(definition.root for definition, _ in function.steps.values()))
             found |= dict.fromkeys(node.table for root in trees for node in nodes(root) if isinstance(node, Lookup))

@@ -17,6 +17,15 @@ Series = dict[str, list[Any]]
 """TIME -> times, increasing, and name of each column -> its numbers, None where there is none."""
 
 
+def by_time(columns: dict[Any, Any]) -> dict[Any, Any]:
+    """What is given by column, that of the times called TIME: t is another name of it.
+
+    columns: column -> anything.
+    """
+    own = next((name for name in NAMES_OF_TIME if name in columns), TIME)
+    return {TIME if name == own else name: value for name, value in columns.items()}
+
+
 def read_series(folder: Path, file: str, gaps: bool = False) -> Series:
     """The columns of a CSV file over time.
 
@@ -41,5 +50,4 @@ def read_series(folder: Path, file: str, gaps: bool = False) -> Series:
         if after < before or (after == before and not gaps):
             what = f"{brief(file)}, line {line}: the time {after:g} follows {before:g}"
             raise refuse(what, f"sort the lines by time{'' if gaps else ', and give each time once'}")
-    columns = {name: [None if isnan(v) else v for v in numbers[:, k].tolist()] for name, k in places.items()}
-    return {TIME: columns.pop(time), **columns}
+    return by_time({name: [None if isnan(v) else v for v in numbers[:, k].tolist()] for name, k in places.items()})

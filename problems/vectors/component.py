@@ -7,12 +7,13 @@ from dataclasses import replace
 from math import prod
 from typing import Any
 
-from ..language.loops import Mistaken
+from ..language.ranges import Mistaken
 from ..lean.records import dataclass
 from ..names.symbols import UNKNOWN
 from ..text import tidy
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
+from ..yaml.punctuation import range_of
 from ..yaml.told import Made
 from .algebra import Scalar, Shape, Value, as_vector, in_words, indexed, shape_of
 from .misfits import Misfit
@@ -150,6 +151,11 @@ class Filler:
             return UNKNOWN  # what is told of that comes first
         if not one.shape and {*one.path[:3:2]} & {*DEFINED}:  # or it would be a vector, too
             self.findings.append(Finding(one.path, "this is a vector made of itself", "give it without itself"))
+            return UNKNOWN
+        if not one.shape and one.path[-1] in ("initial", "final") and (ends := range_of(text)):
+            lower, upper = ends
+            remedy = f"write {one.path[-1]}: {{lower: {lower}, upper: {upper}}}"
+            self.findings.append(Finding(one.path, "a range is no list", remedy))
             return UNKNOWN
         for_all = "" if one.path[-1] in RATES else "one value for all, or "
         remedy = f"write {for_all}as many as there are" if one.shape else _ONE_VALUE

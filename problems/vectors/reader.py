@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 from ..expressions.slips import ENDS, MAX_LENGTH, RATE
-from ..language.loops import Mistaken
+from ..language.ranges import Mistaken
 from ..text import shorten, tidy
 from . import algebra
 from .algebra import (

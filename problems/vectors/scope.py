@@ -8,7 +8,7 @@ from typing import Any
 
 from ..expressions.signature import name_trouble, signature
 from ..expressions.slips import RESERVED
-from ..language.loops import Mistaken, whole
+from ..language.ranges import Mistaken, whole
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding

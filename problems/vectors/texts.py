@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from ..expressions.lacking import LACKING
 from ..expressions.slips import check_syntax
 from ..expressions.tokens import ExpressionError
-from ..language.loops import Mistaken
+from ..language.ranges import Mistaken
 from ..text import shorten
 from .algebra import FUNCTIONS, Scalar, Value
 from .parsed import parsed, with_colons

@@ -86,6 +86,7 @@ def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
         "overshoot": _overshoot(file),
         "sensitivities": _sensitivities(file),
         "phases": _phases(file),
+        "prices": _prices(file),
         "estimates": _estimates(file),
         "meshes": meshes,
         "seconds": {**seconds, "total": sum(seconds.values())},
@@ -231,13 +232,18 @@ def _phase(group: h5py.Group) -> dict[str, Any]:
         "parameters": {
             name: {"value": value[()], "unit": unit_of(value)} for name, value in group["parameter"].items()
         },
-        "prices": {name: value[()] for name, value in group.get("price", {}).items()},
+        "prices": _prices(group),
         "arcs": _arcs(group),
         "complementarity": {
             name: {key: own[key][()] for key in ("product", "time", "allowed")}
             for name, own in group.get("complementarity", {}).items()
         },
     }
+
+
+def _prices(group: h5py.Group) -> dict[str, float]:
+    """Of a phase, or of what holds between phases."""
+    return {name: value[()] for name, value in group.get("price", {}).items()}
 
 
 def _arcs(group: h5py.Group) -> list[dict[str, Any]]:

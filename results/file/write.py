@@ -25,6 +25,7 @@
         complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
         measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
                                with expression, that of the model
+    /price/<name>              the same of conditions on the ends of several phases, links and boundary constraints
     /estimates/                where something was measured: parameter and other (names), value, standard_error,
                                correlation; with residuals (the sum of weighted squares), measurements and free (their
                                number, and that of unknowns), scale (of the deviations), given (whether these were),
@@ -183,6 +184,8 @@ def image_of(
             write_exactness(group_of(group, "complementarity"), trajectory)
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)
+        if solution.prices_between:
+            write_prices(group_of(file, "price"), solution.prices_between)
         if solution.estimates:
             write_estimates(group_of(file, "estimates"), solution.problem, solution.estimates)
         meshes = group_of(file, "mesh")

@@ -83,7 +83,7 @@ def scene(result: Result) -> Scene:
     if {phase.name for phase in result.phases} - drawings.keys():
         what = "its phases are not those of the problem that it holds"
         raise SpecError(Mistake(str(result.path), what, "solve the problem again"))
-    _, parameters = result.build()
+    parameters = result.phases[0].parameters  # static ones; other numbers are those of the phase that is drawn
 
     def at(times: np.ndarray) -> list[Pose]:
         poses = []

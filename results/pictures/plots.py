@@ -58,6 +58,7 @@ def draw_curve(
     broken: as `broken_bounds` of `audit.broken` gives them.
     """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
+    points = 72 * width_of(ax) / sum(len(phase.time) for phase in phases)
     for phase in phases:
         curve = phase.curves[kind][name]
         colour = KIND_COLOURS[kind]
@@ -65,7 +66,7 @@ def draw_curve(
             ax.step(phase.time, curve.points, where="post", color=colour, label=kind, zorder=2)
         else:
             ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
-        _draw_points(ax, phase, curve, colour)
+        _draw_points(ax, phase, curve, colour, points)
         if kind != "costate":
             _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
@@ -73,7 +74,7 @@ def draw_curve(
     frame(ax, [phase.curves[kind][name] for phase in phases])
     width = width_of(ax)
     told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
-    set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told)
+    set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told, raised=len(phases) > 1)
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, phases)
 
@@ -92,8 +93,8 @@ def label_of(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
     return f"costate of {name}", f"objective/{compound}" if unit not in ("", "1") else "objective"
 
 
-def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> None:
-    points = 72 * width_of(ax) / len(phase.time)  # between markers; 72 to an inch
+def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str, points: float) -> None:
+    """The points of the mesh; points: between their markers, 72 to an inch, on average over all phases."""
     if points < TOO_NEAR:
         return
     size = float(np.clip(0.6 * points, 1.2, 3.5))

@@ -132,19 +132,25 @@ def width_of(ax: Axes) -> float:
     return float(ax.get_position().width * figure.get_figwidth())
 
 
-def set_title(ax: Axes, label: str, note: str = "") -> None:
+RAISED = 10.0
+"""Points between axes and a title that small texts stand below."""
+
+
+def set_title(ax: Axes, label: str, note: str = "", *, raised: bool = False) -> None:
     """A title at the left of the axes, and a small note beside it.
 
     ax: the axes, with their final width.
     label: the title, of one line or more.
     note: stands at the right if there is room, else at the end of the title; "" for none.
+    raised: whether there is a line of small texts below it, such as the names of phases.
     """
+    pad = RAISED if raised else None  # Matplotlib's own
     width = width_of(ax)
     room = width - LETTER * max(map(len, label.split("\n")))
     if note and len(note) * 0.83 * LETTER > room:
         label, note = f"{label}\n{note}", ""
-    ax.set_title(label, loc="left")
-    ax.set_title(note, loc="right", color=GREY, fontsize="small")
+    ax.set_title(label, loc="left", pad=pad)
+    ax.set_title(note, loc="right", color=GREY, fontsize="small", pad=pad)
 
 
 @dataclass(frozen=True)

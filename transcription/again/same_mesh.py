@@ -5,13 +5,14 @@ from __future__ import annotations
 from ..attempts.attempt import better
 from ..engines.outcome import Status
 from ..engines.watch import Watch
-from ..one_mesh import Found, Origin, in_place, solve_mesh, tightened
+from ..one_mesh import Found, Origin, in_place, solve_mesh
 from ..pontryagin.needles import Lower
 from ..refinement.angles import short_turns
 from ..refinement.basin import left_basin
 from ..refinement.chatter import Damping
 from ..settings import Settings
 from ..transcribe import Planned
+from .tightened import tightened
 
 SLOW = 200
 """Iterations of a finer mesh after which it is solved without the multipliers of the one before."""
@@ -56,6 +57,25 @@ def with_short_turns(step: Planned, settings: Settings, found: Found, damping: D
         return found
     told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
     return in_place(found, again, told)
+
+
+def with_damping(step: Planned, settings: Settings, found: Found, damping: Damping, watch: Watch) -> Found | None:
+    """The solution with damped controls; None if it has none that is as good.
+
+    It is solved anew, and else from the multipliers of the undamped one, which is slower where they chatter, and stays
+    nearer.
+
+    step, settings: of the solve.
+    found: what it led to.
+    damping: of its controls.
+    watch: who looks on.
+    """
+    solution, solved = found
+    for before in (None, solved):
+        calm = solve_mesh(*step, settings, Origin(solution.trajectories, before, damping), watch)
+        if calm[0].status.may_replace(solution.status) and not left_basin(solution, calm[0]):
+            return in_place(found, calm)
+    return None
 
 
 def sharpened(found: Found, settings: Settings, accuracy: float, watch: Watch) -> Found:

@@ -51,7 +51,7 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
                 break
     if doubt == MANY and not words:  # it is so of every such problem
         return first
-    return replace(best[0], notes=(_told(own, idle, doubt, words, tried),)), best[1]
+    return replace(best[0], notes=(*best[0].notes, _told(own, idle, doubt, words, tried))), best[1]
 
 
 def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:

@@ -59,9 +59,9 @@ def on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | N
             continue
         many = sum(mesh.segments for mesh in attempt.finer(times))
         if attempt.settings.refine:
-            return replace(solution, notes=(f"{told}; {many} did",)), solved
+            return replace(solution, notes=(*solution.notes, f"{told}; {many} did")), solved
         back = attempt.run(solution.trajectories, limit)
         if back[0].status.usable:
-            return replace(back[0], notes=(f"{told}; this is the one from that on {many} segments",)), back[1]
-        return replace(failed[0], notes=(f"{told}, {many} did: take as many",)), failed[1]
+            return replace(back[0], notes=(*back[0].notes, f"{told}; this is the one from that on {many}")), back[1]
+        return replace(failed[0], notes=(*failed[0].notes, f"{told}, {many} did: take as many")), failed[1]
     return None

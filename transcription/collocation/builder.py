@@ -17,10 +17,9 @@ from ...problems.probe import depends_on, names_asked
 from ...problems.problem import Curves, Phase
 from ...problems.quantities import Constraint as PathConstraint
 from ...problems.quantities import Function, Range
-from ..constraint_kinds import BOUND, BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind
+from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind, range_of_state
 from ..layout import Family
 from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, pyomo
-from ..measured.knots import knots_at
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .place import Place, Values
@@ -231,14 +230,14 @@ class PhaseBuilder(ABC):
 
     def _bounds_of_computed_states(self) -> None:
         for place in self.places():
-            for name, bounds in place.computed.items():
-                if bounds == Range():
+            for state in place.computed:
+                if (asked := range_of_state(place.asked, state)) == Range():
                     continue
 
-                def relation(k: Any, place: Place = place, name: str = name, bounds: Range = bounds) -> Any:
-                    return between(bounds, place.values(k)[name])
+                def relation(k: Any, place: Place = place, name: str = state.name, asked: Range = asked) -> Any:
+                    return between(asked, place.values(k)[name])
 
-                self._at_place(f"bound_{name}", place, relation, BOUND, name)
+                self._at_place(f"bound_{state.name}", place, relation, place.asked, state.name)
 
     def _at_place(self, component: str, place: Place, relation: Any, kind: ConstraintKind, name: str) -> None:
         times = self.mesh.fractions[place.points]
@@ -248,24 +247,6 @@ class PhaseBuilder(ABC):
     def cost(self) -> Any:
         cost = self.phase.mayer(self.ends(), pyomo) if self.phase.mayer else 0.0
         return cost + self.integral(self.phase.lagrange) if self.phase.lagrange else cost
-
-    def residuals(self) -> Any:
-        """The weighted squared residuals of the measurements, written out (see `measured.residuals`)."""
-        phase, total = self.phase, 0.0
-        for own in phase.measured:
-            knots = self.mesh.knots[knots_at(self.mesh, phase.fractions_of(own.instants))]
-            h = [self._at_knot(own.function, *at) for at in zip(knots.tolist(), own.instants.tolist(), strict=True)]
-            if own.spans is not None:
-                h = [(b - a) / d for a, b, d in zip(h[::2], h[1::2], np.diff(own.spans)[:, 0].tolist(), strict=True)]
-            for one, y, w in zip(h, own.values.tolist(), own.weights.tolist(), strict=True):
-                total += w * (one - y) ** 2
-        return total
-
-    def _at_knot(self, function: Function, k: int, t: float) -> Any:
-        """A function of states and parameters at the point k, a knot, whose time is t."""
-        values = self.at(k, [state.name for state in self.phase.states], inputs=False)
-        values["t"] = t
-        return function(values, pyomo)
 
     def integral(self, w: Function) -> Any:
         """The integral of w over the phase by the scheme's own quadrature (paper, 3.1 and 4.1)."""

@@ -1,7 +1,7 @@
 """Programs that are kept, to be solved again with other numbers: in memory, and in the cache on the disk.
 
 What a nonlinear program is depends on the form of the problem's functions, on the meshes, and on which bounds there
-are. Everything else is numbers: the bounds themselves, given times, the parameters of the file (`problems.expressions.
+are. Everything else is numbers: the bounds themselves, given times, the parameters of the file (`problems.names.
 structure` says which of them are data), and the first trajectory. So the next case of a sweep, another start, or the
 same problem with its multipliers dropped has a program that differs in numbers from one that was made before.
 

@@ -81,7 +81,6 @@ class CollocationBuilder(PhaseBuilder):
                 weight=lambda k: self.duration * item(block.weight, k),
                 points=self.explicit,
                 quadrature=mesh.weights[self.explicit],
-                computed={},
             )
         ]
         for i, (scheme, group, over) in enumerate(zip(self.schemes, mesh.groups, self.members, strict=True)):
@@ -95,7 +94,7 @@ class CollocationBuilder(PhaseBuilder):
                         weight=partial(self._weight, b),
                         points=group.nodes[:, node],
                         quadrature=mesh.weights[group.nodes[:, node]],
-                        computed={state.name: state.bounds for state in self.phase.states},
+                        computed=self.phase.states,
                     )
                 )
         return places

@@ -28,7 +28,7 @@ SMOOTH = "1e-6"
 def vanishing_norm(trajectory: Trajectory) -> str:
     """Which norm in what holds over time is all but zero at collocation points, when, and the remedy; "" for none."""
     phase, k = trajectory.phase, trajectory.mesh.collocated
-    values = phase.arguments(trajectory.times[k], trajectory.x[:, k], trajectory.u[:, k], trajectory.parameters)
+    values = trajectory.at_collocated
     for text, own, smooth in _norms(phase):
         with np.errstate(all="ignore"):
             size = np.abs(np.broadcast_to(own(values, np), k.shape))

@@ -78,8 +78,7 @@ def _values(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
 def _divisions(trajectory: Trajectory) -> Iterator[str]:
     """Denominators in the objective and the rates that are at zero, or on both sides of it."""
     phase = trajectory.phase
-    k = trajectory.mesh.collocated
-    values = phase.arguments(trajectory.times[k], trajectory.x[:, k], trajectory.u[:, k], trajectory.parameters)
+    values = trajectory.at_collocated
     owners: list[tuple[str, Function]] = [("the objective", phase.lagrange)] if phase.lagrange else []
     owners += [(f"the rate of {state.name}", state.rate) for state in phase.states]
     for owner, function in owners:

@@ -60,7 +60,7 @@ class Ready:
 
         guess, progress, stop: as that takes them.
         """
-        from ..solve import solve, with_elsewhere
+        from ..solve import solve
 
         if not self.direct and guess is None:
             from ..continuation import solve_spec
@@ -68,7 +68,7 @@ class Ready:
             return solve_spec(self.spec(), self.problems, progress=progress, stop=stop)
         began = perf_counter()
         solution = solve(self.problems, self.schedule, self.settings, guess=guess, progress=progress, stop=stop)
-        return with_elsewhere(solution, began)
+        return solution.since(began)
 
 
 def ready_all(files: Sequence[str], given: Sequence[str] = (), stdin: str | None = None) -> list[Ready]:

@@ -19,7 +19,7 @@ class CompiledNLP:
     """The nonlinear program of compiled families.
 
     n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
-    seconds: differentiate (Pyomo to SymEngine included), compile, evaluate. calls: evaluations by callback.
+    seconds: differentiate (Pyomo to SymEngine included), compile, evaluate.
     slots: key -> where a number stands that is data, for `number` and `with_numbers`.
     Callbacks raise NotFinite.
     """

@@ -104,6 +104,8 @@ class WithTerm:
         self.nlp, self.term = nlp, term
 
     def __getattr__(self, name: str) -> Any:
+        if name == "nlp" or name.startswith("__"):  # asked for before it is there, as by `copy`
+            raise AttributeError(name)
         return getattr(self.nlp, name)
 
     def objective(self, z: np.ndarray) -> float:

@@ -15,8 +15,8 @@ so that a variable which is fixed at some indices only is no special case: some 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, prod
-from typing import Any, NamedTuple
+from math import prod
+from typing import Any
 
 import numpy as np
 import symengine as se
@@ -24,20 +24,17 @@ import symengine as se
 from ...problems.expressions.functions import FUNCTIONS
 from ...problems.tables.table import Table
 from ..libraries.pyomo import (
-    Constraint,
     GetItemExpression,
     IndexTemplate,
-    Objective,
     TemplateSumExpression,
     native_numeric_types,
     native_types,
     value,
 )
 from ..libraries.pyomo import numeric_expr as ne
-from ..libraries.pyomo import relational_expr as relation
 from .lookups import Lookup
 from .slots import Slots
-from .templates import TemplateError, linear_parts, table_of, template_of
+from .templates import SumTerm, TemplateError, linear_parts, table_of
 
 SYMENGINE = {row.name: getattr(se, row.name) for row in FUNCTIONS.values() if row.composed is None}
 EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers beyond it not all floats
@@ -245,43 +242,6 @@ def _real(result: se.Basic, parts: list) -> se.Basic:
         except (RuntimeError, TypeError, ValueError):
             return se.RealDouble(np.nan)
     return result
-
-
-# -- the body of a constraint or of the objective ----------------------------------------------------------------------
-
-
-def relation_of(c: Any) -> tuple[list, object, object, object]:
-    """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
-    e, template = template_of(c)
-    if getattr(e, "strict", False) not in (False, (False, False)):
-        raise TemplateError(f"{c.name} is a strict inequality, which no solver can tell from the other")
-    if isinstance(e, relation.RangedExpression):
-        lower, body, upper = e.args
-        return [(1, body)], lower, upper, template
-    if not isinstance(e, relation.EqualityExpression | relation.InequalityExpression):
-        raise TemplateError(f"the rule of {c.name} gives no relation but {e}")
-    left, right = e.args
-    equal = isinstance(e, relation.EqualityExpression)
-    if right.__class__ in native_numeric_types:
-        return [(1, left)], right if equal else -inf, right, template
-    if left.__class__ in native_numeric_types:
-        return [(1, right)], left, left if equal else inf, template
-    return [(1, left), (-1, right)], 0.0 if equal else -inf, 0.0, template
-
-
-class SumTerm(NamedTuple):
-    """product(factors) * sum of expression over the Set of `total`, in one row."""
-
-    component: Constraint | Objective
-    row: int
-    total: TemplateSumExpression
-    factors: list
-    expression: object
-
-
-def placeholder_of(term: SumTerm) -> Any:
-    """The index placeholder of a sum."""
-    return term.total.template_iters()[0][0]
 
 
 def product_of(arguments: Arguments, factors: list, e: Any, template: Any) -> se.Basic:

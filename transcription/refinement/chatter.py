@@ -12,7 +12,7 @@ which is 0 for a straight line, the objective gets
 
     strength (1 + |J|) sum over k of (h- + h+)/2 (d_k / range of u)^2.
 
-A smooth control has d of second order in h, the term is of fourth. An oscillation has d = 4 range. A jump costs some h,
+A smooth control has d of second order in h, the term is of fourth. An oscillation has d = 2 range. A jump costs some h,
 wherever it is, so that the term is summed over the whole phase: where it ends, oscillations begin. The objective of
 a solution is always that of the problem itself; what the term is worth is a part of its error bar.
 """

@@ -1,4 +1,4 @@
-"""Single and multiple shooting (paper, 9.5 and 9.6): unknowns, constraints, and the compiled nonlinear program.
+"""Single and multiple shooting (paper, 9.5 and 9.6): unknowns and constraints.
 
 On segment s, with x_s the unknown state at its start and Phi_s the simulation to its end (see `schemes.shooting`),
 

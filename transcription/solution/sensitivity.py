@@ -248,6 +248,5 @@ def _written(problem: Problem) -> Iterator[float]:
 
 def _functions(problem: Problem) -> Iterator[tuple[str, Any]]:
     """(phase, function) of each that the problem needs and that has parameters."""
-    between = [*(link.function for link in problem.links), *([problem.mayer] if problem.mayer else [])]
     own = [(phase.name, f) for phase in problem.phases for f in (*phase.over_time, *phase.at_ends)]
-    return ((phase, f) for phase, f in [*own, *((BETWEEN, f) for f in between)] if hasattr(f, "constants"))
+    return ((phase, f) for phase, f in [*own, *((BETWEEN, f) for f in problem.between)] if hasattr(f, "constants"))

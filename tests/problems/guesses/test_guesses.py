@@ -163,3 +163,22 @@ def test_a_broken_csv_file(name, tmp_path):
     sentences = [str(mistake) for mistake in error.value.mistakes]
     assert len(sentences) == 1 and says in sentences[0], "\n".join(sentences)
     assert sentences[0].startswith((f"{path}:26: guess", f"{path}:27: guess"))
+
+
+@pytest.mark.parametrize(("control", "expected"), [("0", [1, 1, 1, 1]), ("t", [1, 1, 2, 4]), ("x", [1, 2, 4, 8])])
+def test_in_discrete_time_a_simulation_takes_the_steps(control, expected):
+    text = (
+        "trajopt: 1\ntime: {initial: 0, final: 3}\nstates: {x: {next: x + u, initial: 1}}\ncontrols: {u: {}}\n"
+        "objective: {minimize: {integral: u**2}}\nguess: GUESS\n"
+    )
+    (phase,) = phases(f'{{simulate: {{u: "{control}"}}}}', text)
+    assert samples(phase, 0, 1, 2, 3)["x"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_state_that_runs_away_is_told_with_its_own_value():
+    """q grows from 0 and runs away; z, which begins with 1e9, is larger still, and does not."""
+    text = PROBLEM.replace("initial: 0}", "initial: 0}", 1).replace(
+        "rate: u - z, initial: 1", "rate: 0, initial: 1.0e9"
+    )
+    with pytest.raises(SpecError, match=r"w runs away: it is 1\.\de\+08"):
+        phases("{simulate: {u: 1.2e8 + q}}", text.replace("lower: -20, upper: 20", ""))

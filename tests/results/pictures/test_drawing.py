@@ -170,3 +170,12 @@ def test_mistakes(shape, place, words):
         load_yaml(FILE[: FILE.index("drawing:")] + f"drawing: [{shape}]\n", (), "d.yaml")
     told = [str(mistake) for mistake in error.value.mistakes]
     assert any(own.startswith(f"d.yaml:12: {place}: ") and words in own for own in told), told
+
+
+def test_a_drawing_has_the_numbers_of_its_phase(tmp_path):
+    text = PHASES.replace("time: {initial", "parameters: {r: 0.1}\ntime: {initial").replace(
+        "off: {}", "off: {parameters: {r: 0.3}}"
+    )
+    (tmp_path / "stages.yaml").write_text(text.replace("radius: 0.1", "radius: r").replace("[x, m]", "[x, 0]"))
+    drawn = scene(read(solved_once(tmp_path / "stages.h5", tmp_path / "stages.yaml")))
+    assert [pose.shapes[1].radius for pose in drawn.at(np.array([0.5, 1.5]))] == [0.1, 0.3]

@@ -126,8 +126,8 @@ def test_a_broken_small_result_is_not_read_as_good(damage):
 
 def test_half_written_files_are_removed():
     swept()
-    for name in ("cases/.abc.x1.npz", "results/.abc.x1.h5", ".index.x1.csv", ".sweep.x1.h5"):
-        Path("s", name).write_text("half")
+    for name in ("cases/{}.npz", "results/{}.h5", "{}.csv", "{}.h5", "{}.json"):
+        Path("s", name.format(".trajopt-another_machine-7-x1")).write_text("half")
     swept()
     assert not [path for path in Path("s").rglob(".*") if path.name not in (".lock", ".setup")]
 

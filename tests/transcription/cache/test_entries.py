@@ -140,8 +140,8 @@ def test_a_full_disk_keeps_nothing_and_leaves_nothing(filled):
     """A limit on the size of files is to a writer what a full disk is: some bytes are written, then no more."""
     program = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "from trajopt.transcription.cache.entries import name_of, read, write;"  # else half a .pyc is kept
         "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000));"
-        "from trajopt.transcription.cache.entries import name_of, read, write;"
         "write(name_of(b'large'), bytes(100_000)); assert read(name_of(b'large')) is None;"
         "write(name_of(b'small'), b's'); assert read(name_of(b'small')) == b's'"
     )

@@ -222,3 +222,21 @@ def test_ranges_know_where_their_ends_stand_in_the_file():
     assert bounce.phases[1].initial_time.upper.path == bounce.phases[0].final_time.upper.path == "time.final.upper"
     drone = build(load_file("waypoint_drone"))
     assert drone.phases[0].states[0].final.lower.path == "waypoints.0.x"
+
+
+def test_ends_of_velocities_by_finite_differences():
+    """A cubic from 0 to 1 with velocities a and b at its ends: J = 4 (a^2 + a b + b^2) - 12 (a + b) + 12."""
+    text = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {accel: u, initial: 0, final: 1, velocity: {name: v, initial: 0.5, final: 0.25, upper: 3}}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: finite-difference, segments: 80}]
+"""
+    spec = load_yaml(text)
+    found = solve(build(spec), schedule_of(spec), settings_of(spec)).sensitivities
+    by = {own.path.removeprefix("states.x.velocity."): own.derivative for own in found.all}
+    assert by["initial"] == pytest.approx(4 * (2 * 0.5 + 0.25) - 12, rel=0.05)
+    assert by["final"] == pytest.approx(4 * (0.5 + 2 * 0.25) - 12, rel=0.05)
+    assert by["upper"] == pytest.approx(0, abs=1e-6)

@@ -120,3 +120,23 @@ def test_the_command_on_a_result(tmp_path, monkeypatch):
     assert refused.exit_code == 2 and "give the problem file with --set" in refused.stderr
     missing = trajopt("explain", "none.h5")
     assert missing.exit_code == 3
+
+
+HALTED = """\
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {accel: u, initial: 0, final: 1, velocity: {name: v, initial: 0, final: 0, upper: 1}}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: METHOD, segments: 12}]
+"""
+
+
+@pytest.mark.parametrize("method", ["hermite-simpson-compressed", "runge-kutta-4", "finite-difference"])
+def test_the_bounds_of_a_state_that_is_computed_are_told_once(method):
+    """From rest to rest over 1 in time 1 with v <= 1: more is needed, nearly 1 + 1/12 with these segments at most."""
+    found = explained(HALTED.replace("METHOD", method))
+    assert [own.what for own in found.alternatives].count("the bounds of v") == 1
+    after = moved(found)
+    assert 1.01 < after["the bounds of v"][1] < 1.1
+    assert after["the initial value of v"][0] > 1 and after["the final value of v"][0] > 1

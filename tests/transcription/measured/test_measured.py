@@ -241,6 +241,22 @@ def test_a_broken_csv_file(name, tmp_path):
     assert sentences[0].startswith(f"{path}:20: measurements.run.file")
 
 
+@pytest.mark.parametrize("name", ["t", "time"])
+@pytest.mark.parametrize("inline", [True, False])
+def test_the_column_of_times_has_two_names_wherever_it_is_named(name, inline, tmp_path):
+    (tmp_path / "run.csv").write_text(f"{name},x\n0.5,1\n1,2\n")
+    given = f"data: {{{name}: [0.5, 1], x: [1, 2]}}" if inline else "file: run.csv"
+    (tmp_path / "a.yaml").write_text(f"""
+trajopt: 1
+time: {{initial: 0, final: 2, unit: h}}
+states: {{x: {{rate: k*x, initial: 1, unit: g}}}}
+optimize: {{k: {{guess: 0.1}}}}
+measurements: {{run: {{{given}, units: {{{name}: h, x: g}}}}}}
+""")
+    own = load(tmp_path / "a.yaml").measurements["run"]
+    assert own.data == {"time": [0.5, 1], "x": [1, 2]} and own.units == {"time": "h", "x": "g"}
+
+
 def test_missing_cells_and_columns_that_count_for_nothing(tmp_path):
     (tmp_path / "data.csv").write_text("time,x,v,marker\n0,0,0,1\n1,,0.4,2\n2,1,,3\n")
     path = tmp_path / "problem.yaml"
