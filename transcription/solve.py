@@ -184,8 +184,8 @@ class _Loop:
             found = from_coarser(self.steps[number], self.settings, start, watch)
         else:
             found = solve_first_mesh(*self.steps[number], self.settings, start, watch)
-            own, _, tolerance = self.steps[number]
-            self.steps[number] = own, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
+            problem, _, tolerance = self.steps[number]
+            self.steps[number] = problem, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
