@@ -7,6 +7,7 @@ from math import inf, isfinite
 
 import numpy as np
 
+from .guesses.observed import observed_rows
 from .guesses.rates import differentiated, integrated
 from .guesses.rows import Row, Span, combined, rows_of
 from .guesses.simulated import POINTS, simulated
@@ -28,7 +29,8 @@ def initial_guess(
     """The guess that the file asks for, but for what needs the dynamics or other phases (see `finished`).
 
     spec, symbols: the file without mistakes, its names and values.
-    states: of the problem, with their ranges at both ends; each gets a straight line, or what the file gives.
+    states: of the problem, with their ranges at both ends; each gets a straight line, what was measured of it, or what
+        the file gives.
     inputs: the controls, then the algebraic variables; each is zero, as near as its bounds allow, or what the file
         gives.
     times: ranges of the initial and of the final time, in the unit of time of the file.
@@ -43,9 +45,11 @@ def initial_guess(
     asked = {s.name: (symbols.range(s.entry.initial), symbols.range(s.entry.final)) for s in symbols.states}
     rows = {state.name: Row(both, np.array(ends(state, *asked[state.name]))) for state in states}
     rows |= {variable.name: Row(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
+    span = Span(first, last, times[0].fixed and times[1].fixed)
+    rows |= observed_rows(spec, symbols, rows.keys(), span, asked)
     rows |= {name: Row(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
     rows |= {name: _formula(symbols.function(e), first, last, parameters) for name, e in spec.guess.formulas.items()}
-    given = rows_of(spec.guess, symbols.number, Span(first, last, times[0].fixed and times[1].fixed))
+    given = rows_of(spec.guess, symbols.number, span)
     rows |= {name: row for name, row in given.items() if name in rows}  # a file may have columns of something else
     s, values = combined(rows, both)
     return Guess(

@@ -1,7 +1,8 @@
 """The guess of what goes on through several phases.
 
 Keyframes of the top level are about the whole trajectory: each phase has its part. A state without them is linear from
-each known value to the next; known are the values that are asked for at the ends, and those that phases guess.
+each known value to the next; known are the values that are asked for at the ends, and those that phases guess, or
+measure.
 """
 
 from __future__ import annotations
@@ -36,15 +37,16 @@ def through_phases(
         return list(phases)
     by_name = {phase.name: phase for phase in phases}
     guessed = {name: entry.guess.named.keys() for name, entry in own.items()}
+    settled = {phase.name: {*guessed[phase.name], *(m.expression for m in phase.measured)} for phase in phases}
     ways = [passage for passage in passages(spec) if goes_on_in_time(spec, passage)]
     framed = shared_names(spec)
     for phase in phases:
         for state in phase.states:
             chain = [by_name[link] for link in _chain(state.name, phase.name, by_name, ways)]
             if len(chain) > 1 and state.name not in framed:
-                known = [state.name in guessed[link.name] for link in chain]
+                known = [state.name in settled[link.name] for link in chain]
                 for name, ends in _curves(state.name, chain, symbols, known):
-                    if state.name not in guessed[name]:
+                    if state.name not in settled[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
     first, last = phases[0], phases[-1]
     fixed = first.initial_time.fixed and last.final_time.fixed
