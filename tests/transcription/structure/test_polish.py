@@ -10,7 +10,7 @@ from trajopt.problems.phases.split import Part, why_not
 from trajopt.problems.phases.split_each import split
 from trajopt.problems.quantities import Range
 from trajopt.results.file.write import write
-from trajopt.results.polish.polish import REFINED, TOLERANCE, Polished, _in_phases, polish
+from trajopt.results.polish.polish import MOST_ITERATIONS, REFINED, TOLERANCE, Polished, _in_phases, polish
 from trajopt.results.polish.signs import worth_of_leaving
 from trajopt.results.verify import verify
 from trajopt.transcription.arcs import LOWER, UPPER
@@ -206,3 +206,21 @@ def test_the_command_writes_phases_and_tells_the_structure(folder):
 def test_what_is_not_polished_is_written_all_the_same(folder):
     done = trajopt("solve", "block_move_min_force", "--polish", "-o", "b.h5")
     assert done.exit_code == 0 and "note        not polished: it has no switch" in done.stdout
+
+
+@pytest.mark.parametrize(("solver", "most"), [("", MOST_ITERATIONS), ("solver: {max_iter: 60}\n", 60)])
+def test_a_mesh_in_phases_has_a_limit_of_iterations(solver, most):
+    """The file's own stands where it is less."""
+    own = first(REST + solver)
+    new = polish(own.spec, own.solution)
+    assert len(new.solution.trajectories) == 2
+    assert new.spec.solver.options["max_iter"] == most
+
+
+def test_phases_that_would_take_more_iterations_are_told():
+    own = first("bryson_denham", "solver.max_iter=30")
+    assert own.solution.solved
+    few = replace(own, spec=load_file("bryson_denham", ["solver.max_iter=2"]))
+    new = polish(few.spec, few.solution)
+    assert new.solution.notes[-1].startswith("not polished: in 3 phases it is not solved (ran out of iterations")
+    assert new.solution.objective == own.solution.objective
