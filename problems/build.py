@@ -278,7 +278,7 @@ class _Builder:
     def unsigned(self) -> set[str]:
         """The variables that are a or b of a pair: never negative, so they have a bound in place of a constraint."""
         symbols = self.symbols
-        names = {own.name for own in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+        names = {own.name for own in symbols.variables}
         return names & {own.text for entry in self.spec.complementarity for _, own in entry.sides}
 
     def slack(self, relation: Relation) -> Constraint:
