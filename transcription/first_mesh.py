@@ -65,10 +65,11 @@ def solve_first_mesh(
         return _doubted(best)
     first = time.process_time() - began
     seconds = max(SECONDS, TIMES * first)
-    limit = Limit(max(ONCE_AWAY, first) if _ran_away(best[0]) else seconds, watch.stop, time.process_time)
+    away = not best[0].status.usable and _ran_away(best[0])
+    limit = Limit(max(ONCE_AWAY, first) if away else seconds, watch.stop, time.process_time)
     if of_the_mesh(best[0]) and (found := on_more_segments(attempt, best, limit)):
         return _doubted(found)
-    if cut and best[0].status is Status.MAX_ITERATIONS:
+    if cut and best[0].status is Status.MAX_ITERATIONS and not away:
         best = attempt.own()
     if start.guess is None and best[0].status not in NOT_OF_THE_START:
         best = from_others(attempt, best, limit)
@@ -94,12 +95,12 @@ def _of_many(attempt: Attempt) -> Found:
 
 
 def _ran_away(failed: Solution) -> bool:
-    """Whether the objective has fallen without limit."""
-    if failed.status is not Status.DIVERGING:
-        return False
-    from .failure.runaway import fallen  # loaded when there is a failure
+    """Whether the objective has fallen without limit, or far together with something that has a name."""
+    from .failure.runaway import FALLEN_THROUGH, fallen  # loaded when there is a failure
 
-    return fallen(failed.outcome)
+    if failed.status is Status.MAX_ITERATIONS and failed.trouble:
+        return fallen(failed.outcome, FALLEN_THROUGH)
+    return failed.status is Status.DIVERGING and fallen(failed.outcome)
 
 
 def _may_contradict(failed: Solution, settings: Settings) -> bool:
