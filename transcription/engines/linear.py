@@ -17,7 +17,14 @@ def jacobian_of(nlp: NonlinearProgram, z: np.ndarray) -> Any:
 
 
 def hessian_of(nlp: NonlinearProgram, z: np.ndarray, y: np.ndarray) -> Any:
-    """d2(f + y g)/dz2 at z (n,), both of its halves, sparse, (n, n), compressed by rows; y: (m,). Raises NotFinite."""
+    """d2(f + y g)/dz2, both of its halves, sparse, (n, n), compressed by rows.
+
+    nlp: the program.
+    z: (n,) the unknowns.
+    y: (m,) the multipliers.
+
+    Raises NotFinite.
+    """
     from scipy.sparse import coo_matrix, diags
 
     half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (nlp.n, nlp.n)).tocsr()
