@@ -81,7 +81,7 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
 
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
-    data = json.loads(spec.model_dump_json())
+    data = json.loads(spec.model_dump_json()) if spec.continuation else {}
     way, wrong = {}, []
     for given, values in spec.continuation.items():
         path = re.sub(r"^waypoints\.(\d+)\.(?!states|time|name)", r"waypoints.\1.states.", given)  # the long form

@@ -206,8 +206,10 @@ class _Writer:
 
 def called_functions(spec: Spec) -> set[str]:
     """The keys of the functions that expressions of a spec call, before they are written out."""
+    if not (known := declared(spec)):
+        return set()
     names = {name for _, expression in expressions_of(spec) for name in _called(expression.root)}
-    return {function.key for name, function in declared(spec).items() if name in names}
+    return {function.key for name, function in known.items() if name in names}
 
 
 def _called(root: Node) -> set[str]:

@@ -32,6 +32,9 @@ NUMBERS = 400_000
 FEWEST = 12
 """Samples of one curve, below which it would be none."""
 
+DIGITS = 4, 7, 10
+"""Of the values of an axis, the fewest that tell all of them apart."""
+
 REASONS = 50
 LONGEST = 400  # letters of a message
 
@@ -128,8 +131,18 @@ def _axes(plan: Plan, records: Mapping[int, Record]) -> list[dict[str, Any]]:
         plain = [value_of(value, "") for value in distinct]
         numeric = all(isinstance(v, int | float) and not isinstance(v, bool) for v in plain)
         numbers = numbers_of(plain) if numeric else None
-        axes.append({"path": axis.path, "name": name, "texts": distinct, "numbers": numbers, "of": own})
+        texts = _told(plain, distinct) if numeric else distinct
+        axes.append({"path": axis.path, "name": name, "texts": texts, "numbers": numbers, "of": own})
     return axes
+
+
+def _told(numbers: Sequence[float], exact: list[str]) -> list[str]:
+    """Numbers for a reader, in as few digits as tell them apart; exact: as they were given."""
+    for digits in DIGITS:
+        texts = [f"{number:.{digits}g}" for number in numbers]
+        if len(set(texts)) == len(texts):
+            return texts
+    return exact
 
 
 def _columns(

@@ -16,6 +16,7 @@ from ..constraint_kinds import INTEGRAL
 from ..dual.multipliers import Density, Measure, Multipliers
 from ..layout import Layout
 from ..schemes.mesh import Mesh
+from ..schemes.polynomials import gauss_legendre
 from ..schemes.segment import Group
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
@@ -104,9 +105,9 @@ class PhaseLagrangian:
     @cached_property
     def of_states(self) -> list[tuple[Measure, np.ndarray, np.ndarray]]:
         """The measures, with their densities at the points and between them."""
-        tr, found = self.trajectory, []
+        tr, found, known = self.trajectory, [], dict[bytes, Sample]()
         for measure in self.multipliers.of_states(self.layout):
-            at = tr.at(measure.s)
+            at = known.get(measure.s.tobytes()) or known.setdefault(measure.s.tobytes(), tr.at(measure.s))
             u = at.u if self.n else self._inputs(at.t, at.x, at.u)  # with controls, what asks for inputs is no measure
             g = self.values(measure.function, at.t, at.x, u)
             nearest = np.diff(np.concatenate([[0.0], (measure.s[1:] + measure.s[:-1]) / 2, [1.0]]))
@@ -152,7 +153,7 @@ class PhaseLagrangian:
 
     def _samples(self, group: Group) -> Samples:
         tr, sigma = self.trajectory, group.scheme.sigma
-        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        nodes, weights = gauss_legendre(GAUSS_POINTS)
         width = np.diff(sigma)[:, None]
         tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
         sample = tr.grid(group.segments, tau)
