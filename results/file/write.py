@@ -60,7 +60,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from importlib.metadata import version
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
@@ -71,6 +70,7 @@ import numpy as np
 
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_not_protected, check_writable, replacing
+from ...problems.lean.versions import version
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured, write_sensitivities

@@ -7,7 +7,6 @@ carry the same differences in grey print.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from matplotlib.ticker import Formatter
 
 from ...problems.files import check_ours, check_suffix, replacing
 from ...problems.lean.records import dataclass
+from ...problems.lean.versions import version
 from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"

@@ -12,11 +12,11 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ...problems.files import check_ours, check_suffix, replacing
+from ...problems.lean.versions import version
 from ...problems.text import escaped
 from ..file.summary import plain
 

@@ -6,8 +6,8 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from importlib.metadata import version
 
+from ...problems.lean.versions import version
 from ..installation import processors
 from ..report.page import rendered
 from .chapter import Chapter, PaperCheck

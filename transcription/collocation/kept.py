@@ -15,7 +15,6 @@ import time
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from ...problems.lean.records import dataclass, only_fields
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Range
 from ..cache.kept import keep, load, name
-from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
+from ..layout import Layout, Transcription, Unknowns, bounded_start, range_of_rows
 from ..libraries.alone import LOCK
 from ..method_kind import Program
 from ..program.compiled import CompiledNLP
@@ -138,17 +137,12 @@ def _again(kept: Kept, problem: Problem, forms: Forms, guess: Sequence[Curves]) 
     """A kept program with the numbers of a problem, whose form is `forms`."""
     old = kept.transcription
     layouts = tuple(replace(own, phase=phase) for own, phase in zip(old.phases, problem.phases, strict=True))
-    z, lower, upper = _unknowns(problem, layouts, old.parameters, guess)
-    variables = tuple(map(Unknown, z.tolist(), zip(*map(_or_none, (lower, upper)), strict=True)))
+    variables = Unknowns(*_unknowns(problem, layouts, old.parameters, guess))
     built = time.perf_counter()
     values = numbers_of(problem, forms)
     numbers = {slot: values[key] for key, slot in kept.nlp.slots.items()}
     nlp = kept.nlp.with_numbers(numbers, *_bounds(problem, old, kept.nlp))
     return Program(replace(old, problem=problem, variables=variables, phases=layouts), nlp, built)
-
-
-def _or_none(bounds: np.ndarray) -> list[float | None]:
-    return [bound if isfinite(bound) else None for bound in bounds.tolist()]
 
 
 def _is_told_by_numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms, guess: Sequence[Curves]) -> bool:

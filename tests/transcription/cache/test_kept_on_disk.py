@@ -103,7 +103,8 @@ def test_without_a_home_there_is_no_cache_and_no_word(folder):
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
-NOT_NEEDED = {"pyomo", "pydantic", "yaml", "trajopt.problems.schema.spec", "trajopt.problems.load"}
+READERS = {"pyomo", "pydantic", "yaml", "importlib.metadata"}
+NOT_NEEDED = READERS | {"trajopt.problems.schema.spec", "trajopt.problems.load"}
 
 
 def test_what_is_known_needs_neither_schema_nor_pyomo(cache):
