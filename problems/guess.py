@@ -8,7 +8,7 @@ from math import inf, isfinite
 import numpy as np
 
 from .guesses.rates import differentiated, integrated
-from .guesses.rows import Row, Span, combined, rows_of
+from .guesses.rows import GuessRow, GuessSpan, combined, rows_of
 from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
 from .problem import Guess, Phase
@@ -41,11 +41,11 @@ def initial_guess(
     }
     both = np.array([0.0, 1.0])
     asked = {s.name: (symbols.range(s.entry.initial), symbols.range(s.entry.final)) for s in symbols.states}
-    rows = {state.name: Row(both, np.array(ends(state, *asked[state.name]))) for state in states}
-    rows |= {variable.name: Row(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
-    rows |= {name: Row(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
+    rows = {state.name: GuessRow(both, np.array(ends(state, *asked[state.name]))) for state in states}
+    rows |= {variable.name: GuessRow(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
+    rows |= {name: GuessRow(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
     rows |= {name: _formula(symbols.function(e), first, last, parameters) for name, e in spec.guess.formulas.items()}
-    given = rows_of(spec.guess, symbols.number, Span(first, last, times[0].fixed and times[1].fixed))
+    given = rows_of(spec.guess, symbols.number, GuessSpan(first, last, times[0].fixed and times[1].fixed))
     rows |= {name: row for name, row in given.items() if name in rows}  # a file may have columns of something else
     s, values = combined(rows, both)
     return Guess(
@@ -57,12 +57,12 @@ def initial_guess(
     )
 
 
-def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> Row:
+def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> GuessRow:
     """The row of an expression of t and static parameters."""
     s = np.linspace(0.0, 1.0, POINTS)
     with np.errstate(all="ignore"):
         values = function({"t": first + s * (last - first), **parameters}, np)
-    return Row(s, np.array(np.broadcast_to(values, s.shape), float))
+    return GuessRow(s, np.array(np.broadcast_to(values, s.shape), float))
 
 
 def finished(

@@ -15,7 +15,7 @@ from .one_mesh import Found, Origin, solve_mesh
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
-from .starts.drawn import chosen_parameters, drawn_starts, other_parameters, told
+from .starts.drawn import chosen_parameters, drawn_starts, other_parameters, told_of_starts
 from .starts.other import OtherStart, other_starts, without_effect
 from .structure.several import may_have_several
 from .transcribe import refused
@@ -50,7 +50,7 @@ BOTH_SIDES = 2
 """Of the other starts: controls above, and below, the middle of their bounds."""
 
 
-class Run(Protocol):
+class FirstMeshSolve(Protocol):
     """A solve on the first mesh, or a finer one with twice its segments, from other trajectories, within a limit."""
 
     def __call__(self, guess: Sequence[Curves], limit: Limit, *, finer: bool = False) -> Found: ...
@@ -106,7 +106,7 @@ def _of_many(
         one, other = (found, best) if better(found[0], best[0], problem.sense) else (best, found)
         records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
-    return replace(best[0], notes=(*best[0].notes, told(objectives, problem.sense))), best[1]
+    return replace(best[0], notes=(*best[0].notes, told_of_starts(objectives, problem.sense))), best[1]
 
 
 def _ran_away(failed: Solution) -> bool:
@@ -125,7 +125,7 @@ def _may_contradict(failed: Solution, settings: Settings) -> bool:
     return failed.status is not Status.MAX_ITERATIONS or ("max_iter" not in settings.options and not failed.trouble)
 
 
-def _from_others(problem: Problem, first: Found, run: Run, limit: Limit) -> Found:
+def _from_others(problem: Problem, first: Found, run: FirstMeshSolve, limit: Limit) -> Found:
     """The best of the first solution and those from other starts, as far as they are worth a try."""
     own, idle = first[0], without_effect(problem, [phase.guess for phase in problem.phases])
     doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(first) if own.status.usable else "")
@@ -165,7 +165,7 @@ def _one_of_many(found: Found) -> str:
     return MANY if timeless or not any(refused(solution.problem, finer)) else ""
 
 
-def _stays_better(new: Found, old: Found, run: Run, limit: Limit) -> bool:
+def _stays_better(new: Found, old: Found, run: FirstMeshSolve, limit: Limit) -> bool:
     """Whether a solution is better than another with twice the segments too: on few points it may be so by what they
     do not see."""
     if all(phase.static for phase in new[0].problem.phases):
@@ -194,7 +194,7 @@ def _explained(
     problem: Problem,
     meshes: list[Mesh],
     best: Found,
-    run: Run,
+    run: FirstMeshSolve,
     limit: Limit,
     guess: Sequence[Curves] | None,
 ) -> Found:

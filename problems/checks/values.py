@@ -12,7 +12,7 @@ from ..language.plain import in_plain
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
-from ..names.variables import Declared, DeclaredState
+from ..names.variables import DeclaredState, DeclaredVariable
 from ..phases import timeless
 from ..phases.order import ALONE
 from ..quantities import Range
@@ -63,7 +63,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.static_guesses()
     checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
-    checker.errors += timeless.mistakes(spec, checker.numbers)
+    checker.errors += timeless.timeless_mistakes(spec, checker.numbers)
     checker.errors += delay_mistakes(spec, checker.symbols)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:
@@ -102,7 +102,7 @@ class _Checker:
     def warn(self, path: Path, what: str, remedy: str) -> None:
         self.warnings.append(Finding(path, what, remedy))
 
-    def declared(self) -> tuple[Declared, ...]:
+    def declared(self) -> tuple[DeclaredVariable, ...]:
         """Every variable over time."""
         return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
 

@@ -100,7 +100,7 @@ class Symbols:
         self.static = frozenset(spec.optimize)
         self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
-        self.tables = lookups.fitted(spec, self.findings)
+        self.tables = lookups.fitted_tables(spec, self.findings)
         found = "optimize" if spec.static else "controls"
         self._troubles = Troubles(self.roles, self.tables, self.integrals, found)
         self.numbers: dict[str, float] = {}
