@@ -140,10 +140,10 @@ def test_a_full_disk_keeps_nothing_and_leaves_nothing(filled):
     """A limit on the size of files is to a writer what a full disk is: some bytes are written, then no more."""
     program = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        "from trajopt.transcription.cache.entries import name_of, read, write;"  # else half a .pyc is kept
+        "from trajopt.transcription.cache.entries import file_name_of, read_entry, write_entry;"  # else half a .pyc stays
         "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000));"
-        "write(name_of(b'large'), bytes(100_000)); assert read(name_of(b'large')) is None;"
-        "write(name_of(b'small'), b's'); assert read(name_of(b'small')) == b's'"
+        "write_entry(file_name_of(b'large'), bytes(100_000)); assert read_entry(file_name_of(b'large')) is None;"
+        "write_entry(file_name_of(b'small'), b's'); assert read_entry(file_name_of(b'small')) == b's'"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
     assert {path.name for path in filled.iterdir()} == {NAME, file_name_of(b"small")}
@@ -151,13 +151,13 @@ def test_a_full_disk_keeps_nothing_and_leaves_nothing(filled):
 
 WRITER = """
 import sys
-from trajopt.transcription.cache.entries import name_of, read, write
+from trajopt.transcription.cache.entries import file_name_of, read_entry, write_entry
 for round in range(150):
     for k in range(4):
         payload = bytes([k]) * 20_000
-        found = read(name_of(bytes([k])))
+        found = read_entry(file_name_of(bytes([k])))
         assert found in (None, payload), "half an entry was read"
-        write(name_of(bytes([k])), payload)
+        write_entry(file_name_of(bytes([k])), payload)
 """
 
 
