@@ -25,7 +25,7 @@ from .schema.tables import called_names
 from .tables.files import read_files
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
 from .yaml.document import Path as Place
-from .yaml.locations import Finding, Locations
+from .yaml.locations import UNUSED, Finding, Locations
 
 MoreChecks = Callable[[Spec], tuple[list[Finding], list[Finding]]]
 """A spec, in which other mistakes may be left -> mistakes and warnings that only some ask for."""
@@ -91,7 +91,7 @@ def load_text(
     if errors or early:
         raise SpecError(locations.mistakes(early + errors))
     unused = {("parameters", name) for name in repeated.counted | made.counted}
-    told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or "nowhere" not in w.what]
+    told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or w.kind != UNUSED]
     return spec.attach(text, locations, told)
 
 

@@ -140,7 +140,7 @@ def test_a_full_disk_keeps_nothing_and_leaves_nothing(filled):
     """A limit on the size of files is to a writer what a full disk is: some bytes are written, then no more."""
     program = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        "from trajopt.transcription.cache.entries import file_name_of, read_entry, write_entry;"  # else half a .pyc stays
+        "from trajopt.transcription.cache.entries import file_name_of, read_entry, write_entry;"  # else a .pyc is cut
         "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000));"
         "write_entry(file_name_of(b'large'), bytes(100_000)); assert read_entry(file_name_of(b'large')) is None;"
         "write_entry(file_name_of(b'small'), b's'); assert read_entry(file_name_of(b'small')) == b's'"
