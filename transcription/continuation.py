@@ -239,14 +239,9 @@ class _Way:
         else:
             spec = _at(self.spec, values)
             problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
-<<<<<<< HEAD
             own = self._settings()
             settings = replace(own, refine=None, starts=0 if before else own.starts)
-        guess, left = (before.trajectories, near(before)) if before else (None, None)
-=======
-            settings = replace(self._settings(), refine=None, starts=0)
         guess, left = (before.trajectories, what_is_left(before)) if before else (None, None)
->>>>>>> main
         solution = solve(problems, schedule, settings, guess=guess, near=left, progress=self.progress, stop=self.stop)
         iterations = sum(mesh.iterations for mesh in solution.meshes)
         objective = solution.objective if solution.status.usable else np.nan
