@@ -88,12 +88,9 @@ def _of_quadratures(transcription: Transcription) -> dict[str, float]:
 def _is_quadrature(phase: Phase, state: State) -> bool:
     """Whether a state begins at zero, goes anywhere, and nothing over time depends on it."""
     known = state.bounds != Range() or state.initial != Range(0.0, 0.0) or state.final != Range()
-    over_time: list[Function] = [
-        *(own.rate for own in phase.states),
-        *phase.residuals,
-        *(own.function for own in phase.path),
-    ]
-    over_time += [own.function for own in phase.integral] + ([phase.lagrange] if phase.lagrange else [])
+    rates = [own.rate for own in phase.states] + ([phase.lagrange] if phase.lagrange else [])
+    conditions = [own.function for own in (*phase.residuals, *phase.path, *phase.integral)]
+    over_time: list[Function] = [*rates, *conditions]
     return not (known or phase.exact or any(depends_on(own, {state.name}) for own in over_time))
 
 

@@ -160,6 +160,18 @@ def run(text: str, *overrides: str):
 @pytest.mark.parametrize(
     ("integral", "found"), [("F**2", ["s", "effort"]), ("F**2 + s", ["effort"]), ("F**2 + v*effort", ["s"])]
 )
+@pytest.mark.parametrize("residual", ["residuals=[z - F]", "residuals=[z - F, {expression: w - F}]"])
+def test_residuals_do_not_hide_a_quadrature(integral, found, residual):
+    own = [f"integrals.effort={integral}", "algebraic={z: {}}" if "w" not in residual else "algebraic={z: {}, w: {}}"]
+    phase = build(load_text(TRAIN, "train.yaml", [*own, residual])).phases[0]
+    assert [own.name for own in phase.states if _is_quadrature(phase, own)] == found
+    seen = build(load_text(TRAIN, "train.yaml", [*own, residual.replace("z - F", "z - F - effort")])).phases[0]
+    assert "effort" not in [own.name for own in seen.states if _is_quadrature(seen, own)]
+
+
+@pytest.mark.parametrize(
+    ("integral", "found"), [("F**2", ["s", "effort"]), ("F**2 + s", ["effort"]), ("F**2 + v*effort", ["s"])]
+)
 def test_only_what_nothing_over_time_depends_on_is_a_quadrature(integral, found):
     phase = build(load_text(TRAIN, "train.yaml", [f"integrals.effort={integral}"])).phases[0]
     assert [own.name for own in phase.states if _is_quadrature(phase, own)] == found
