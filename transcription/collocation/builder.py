@@ -104,7 +104,12 @@ class PhaseBuilder(ABC):
         return self.block.component(name)
 
     def data(self, name: str, index: Any, values: np.ndarray) -> Param:
-        """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
+        """A Param of the block.
+
+        name: of it.
+        index: the Set that it is over; None for 0, 1, 2, ...
+        values: (M,), in the order of the Set.
+        """
         index = RangeSet(0, len(values) - 1) if index is None else index
         table = dict(zip(index, values.tolist(), strict=True))
         # Given a dict or no domain, Pyomo checks every index or value.
@@ -125,7 +130,12 @@ class PhaseBuilder(ABC):
         return self.block.tF - self.block.t0
 
     def at(self, k: Any, states: Iterable[str], inputs: bool = True) -> Values:
-        """p, t, the inputs if there are any, and the named states at point k."""
+        """The values at a point by name: p, t, inputs and states.
+
+        k: number of the point, or the placeholder of an index.
+        states: names of those that are asked for.
+        inputs: whether there are any at this point.
+        """
         block = self.block
         makers = {name: (block.x, name) for name in states}
         makers |= {name: (component, name) for component, name in self.inputs if inputs}
@@ -172,7 +182,13 @@ class PhaseBuilder(ABC):
     def add(
         self, component: str, over: Any, rule: Any, kind: ConstraintKind, name: str, span: Any, **told: Any
     ) -> None:
-        """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
+        """Add constraints, and tell what they are.
+
+        component: name in the block.
+        over: a Set, with a constraint for each of its elements; None for a single one.
+        rule: of Pyomo.
+        kind, name, span, told: as of `tell`.
+        """
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
         self.tell(constraint, kind, name, span, **told)
@@ -186,7 +202,15 @@ class PhaseBuilder(ABC):
         weights: np.ndarray | float = 1.0,
         **told: Any,
     ) -> None:
-        """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
+        """Note what the constraints of a component are.
+
+        constraint: the component.
+        kind: of its constraints.
+        name: of what holds, in the file.
+        span: the normalised times from and to which each holds, numbers or (K,) each.
+        weights: (K,) quadrature weights for a phase of duration 1.
+        told: the rest, as of a `Family`.
+        """
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
         self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
