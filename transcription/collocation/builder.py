@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, p
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .place import Place, Values
+from .relations import between, bound, finite
 
 
 class PhaseBuilder(ABC):
@@ -86,7 +86,7 @@ class PhaseBuilder(ABC):
 
     def _fill(self, component: Var, name: str, points: list[int], bounds: Range, values: list[float]) -> dict:
         """Give one state or input its bounds and initial values; returns the variables by point."""
-        lower, upper = _finite(bounds.lower), _finite(bounds.upper)
+        lower, upper = finite(bounds.lower), finite(bounds.upper)
         data = {k: component[name, k] for k in points}
         for k, variable in data.items():
             variable.set_value(values[k], skip_validation=True)
@@ -286,26 +286,3 @@ class PhaseBuilder(ABC):
 def _uses_time(phase: Phase) -> bool:
     """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
     return any("t" in names_asked(function) for function in phase.over_time)
-
-
-def bound(variable: Any, bounds: Range, value: float) -> None:
-    """Give a Pyomo variable its bounds and its initial value.
-
-    variable: a scalar Var, or one element of an indexed one.
-    bounds: in the unit of the variable; an end that is infinite is no bound.
-    value: the initial value, not checked against the bounds.
-    """
-    variable.setlb(_finite(bounds.lower))
-    variable.setub(_finite(bounds.upper))
-    variable.set_value(value, skip_validation=True)
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if isfinite(value) else None  # Pyomo takes no kinds of float but its own
-
-
-def between(bounds: Range, body: Any) -> Any:
-    """The relation lower <= body <= upper, or body == value where both ends are one."""
-    if bounds.fixed:
-        return body == float(bounds.lower)
-    return (_finite(bounds.lower), body, _finite(bounds.upper))
