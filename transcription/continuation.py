@@ -30,7 +30,7 @@ from .engines.watch import Limit
 from .settings import Settings, schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
 from .solve import solve
-from .starts.near import Near, near
+from .starts.near import Near, what_is_left
 
 SMALLEST = 1 / 64
 """Of a step of the schedule: where it would be smaller, the way ends."""
@@ -238,7 +238,7 @@ class _Way:
             spec = _at(self.spec, values)
             problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
             settings = replace(self._settings(), refine=None, starts=0)
-        guess, left = (before.trajectories, near(before)) if before else (None, None)
+        guess, left = (before.trajectories, what_is_left(before)) if before else (None, None)
         solution = solve(problems, schedule, settings, guess=guess, near=left, progress=self.progress, stop=self.stop)
         iterations = sum(mesh.iterations for mesh in solution.meshes)
         objective = solution.objective if solution.status.usable else np.nan

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.conserved.invariant import kept
+from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
@@ -23,7 +23,7 @@ from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
 from .settings import DEFAULT, Refine, Settings
-from .solution.solution import MeshRecord, Solution, with_bar
+from .solution.solution import MeshRecord, Solution, with_error_bar
 from .starts.near import Near
 from .transcribe import Planned, Schedule, planned, refused
 
@@ -277,7 +277,7 @@ class _Loop:
         gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *kept(solution.problem))
+        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
             completed(solution, solved),
             meshes=(*self.history[:-1], solution.meshes[-1]),
@@ -294,7 +294,7 @@ class _Loop:
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""
-        wider = with_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
+        wider = with_error_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
         asked = self.settings.refine and self.settings.refine.objective
         missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
         return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider

@@ -73,7 +73,7 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
     "collocation": lambda: MethodKind(
-        refused_by_collocation, _by_model, _compiled_model, costates, numbers, kept.program
+        refused_by_collocation, _by_model, _compiled_model, costates, numbers, kept.kept_program
     ),
     "differences": lambda: MethodKind(refused_by_differences, _by_model, _compiled_model, costates, numbers),
     "shooting": _shooting,

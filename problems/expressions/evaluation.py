@@ -15,7 +15,7 @@ import numpy as np
 from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT
 from .smooth import STAND_INS
-from .tree import Chain, Lookup, Name, Node, Number, Operation
+from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -124,7 +124,7 @@ class Walk:
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
             case Lookup(operands=operands):
                 return self.look_up(node, [self.visit(operand) for operand in operands])
-            case Chain(first=first, links=links):
+            case OperatorChain(first=first, links=links):
                 result = self.visit(first)
                 for link in links:
                     result = self.apply(link.symbol, link, [result, self.visit(link.operand)])

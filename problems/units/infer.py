@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.functions import FUNCTIONS, OfUnits
-from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation
+from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain
 from ..text import shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -109,7 +109,7 @@ class _Walk:
                 value = Literal(small or number == math.pi)
             case Name():
                 value = self.reader.names(node)
-            case Chain():
+            case OperatorChain():
                 value = self.chain(node)
             case Operation(symbol="**"):
                 value = self.power(node)
@@ -119,7 +119,7 @@ class _Walk:
                 value = self.look_up(node)
         return value
 
-    def chain(self, node: Chain) -> Value:
+    def chain(self, node: OperatorChain) -> Value:
         value, left = self.visit(node.first), node.first
         for link in node.links:
             other = self.visit(link.operand)

@@ -46,7 +46,7 @@ class Scope(Protocol):
         """Whether a name has the same value at all times."""
 
 
-class Slip(Mistaken):
+class NoExpression(Mistaken):
     """What no expression may look like, with vectors or without."""
 
 
@@ -78,8 +78,8 @@ class Text:
         except ExpressionError as error:
             if _LIST.search(new):  # which is none of the slips that are looked for
                 what = f'"{shorten(text, 60)}" cannot be read as an expression'
-                raise Slip(what, "look for a missing operator, bracket or comma") from error
-            raise Slip(error.what, error.remedy) from error
+                raise NoExpression(what, "look for a missing operator, bracket or comma") from error
+            raise NoExpression(error.what, error.remedy) from error
         return new
 
     def _plain(self, found: re.Match[str]) -> str:

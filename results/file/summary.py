@@ -13,7 +13,7 @@ import numpy as np
 from ...problems.errors import FileError, Mistake
 from ...problems.quantities import LARGEST_NUMBER
 from ..declared.layout import MESH
-from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
+from .arrays import NO_BAR_YET, accuracy_of, bar_of, stored_meshes, unit_of
 from .door import DAMAGED, open_result, stored_problem
 
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
@@ -36,7 +36,7 @@ def summarize(path: Path) -> dict[str, Any]:
     Raises FileError if the file cannot be read or is no result of trajopt.
     """
     with open_result(path) as file:
-        return plain(_summary(path, file))
+        return for_json(_summary(path, file))
 
 
 def causes(trouble: str, violations: Sequence[object], involved: Sequence[str] = ()) -> list[str]:
@@ -198,7 +198,7 @@ def _effect(own: dict[str, Any]) -> float:
 
 def _phases(file: h5py.File) -> dict[str, Any]:
     """The phases by name, with method and number of segments of the last mesh."""
-    last = meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])
+    last = stored_meshes(file["mesh"][str(len(file["mesh"]) - 1)])
     return {
         name: {
             "method": mesh.attrs["method"],
@@ -290,12 +290,12 @@ def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
     }
 
 
-def plain(value: Any) -> Any:
+def for_json(value: Any) -> Any:
     """The same without NumPy's types, and None for numbers that are not finite: what JSON can hold."""
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): for_json(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [plain(item) for item in value]
+        return [for_json(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, float) and not np.isfinite(value):

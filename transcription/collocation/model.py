@@ -97,7 +97,7 @@ def by_model(
 
 
 def compiled_model(transcription: Transcription, backend: str | None = None) -> CompiledNLP:
-    """The nonlinear program of a templated model; its slots are those of `forms.numbers_of`.
+    """The nonlinear program of a templated model; its slots are those of `forms.data_of`.
 
     transcription: by `by_model`.
     backend: as of `compile_model`.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 from ..layout import Transcription
-from ..method_kind import Number, Numbers
+from ..method_kind import DataNumber, Numbers
 from ..program.compiled import CompiledNLP
-from .forms import Forms, forms_of, numbers_of
+from .forms import Forms, data_of, forms_of
 
 
 def numbers(transcription: Transcription, nlp: CompiledNLP) -> Numbers:
@@ -34,9 +34,9 @@ def _each(forms: Forms) -> tuple:
     return (*forms.phases, forms.links)
 
 
-def _numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], Number]:
-    values = numbers_of(transcription.problem, forms)
-    return {key: Number(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
+def _numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], DataNumber]:
+    values = data_of(transcription.problem, forms)
+    return {key: DataNumber(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
 
 
 def _replaced(nlp: CompiledNLP, slot: int, value: float) -> CompiledNLP:

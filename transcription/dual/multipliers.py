@@ -51,7 +51,7 @@ class Density:
 
 @short_repr
 @dataclass(frozen=True)
-class Measure:
+class ConstraintMeasure:
     """A side of a constraint on the states: function <= bound or >= bound, or an equation.
 
     mass: (K,) of its multiplier at normalised times s (K,), positive where it keeps the function from growing.
@@ -240,7 +240,7 @@ class Multipliers:
                 found.append(Density(_value_of(variable.name), variable.bounds, s, y / (weights[k] * duration)))
         return found
 
-    def of_states(self, layout: Layout) -> Iterator[Measure]:
+    def of_states(self, layout: Layout) -> Iterator[ConstraintMeasure]:
         """What bounds the states: their bounds, but not those at the ends, and path constraints without controls."""
         phase, o = layout.phase, self.outcome
         for state, places in zip(phase.states, layout.x, strict=True):
@@ -254,18 +254,18 @@ class Multipliers:
             for z, bound, sign in ((o.z_lower, state.bounds.lower, -1), (o.z_upper, state.bounds.upper, 1)):
                 if np.isfinite(bound) and len(times):
                     mass = np.concatenate([sign * z[places[inside]], np.where(sign * y > 0, y, 0.0)])
-                    yield Measure(_value_of(state.name), bound, times[order], mass[order], own)
+                    yield ConstraintMeasure(_value_of(state.name), bound, times[order], mass[order], own)
         for c in phase.path:
             if phase.controls and _depends_on_inputs(phase, c.function):
                 continue
             s, rows, _ = self._rows(phase, PATH, c.name)
             y, own = self.over_time[rows], self.nlp.n + rows
             if c.bounds.fixed:
-                yield Measure(c.function, c.bounds.lower, s, y, own)
+                yield ConstraintMeasure(c.function, c.bounds.lower, s, y, own)
                 continue
             for bound, sign in ((c.bounds.lower, -1), (c.bounds.upper, 1)):
                 if np.isfinite(bound):
-                    yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0), own)
+                    yield ConstraintMeasure(c.function, bound, s, np.where(sign * y > 0, y, 0.0), own)
 
 
 def _depends_on_inputs(phase: Phase, function: Function) -> bool:

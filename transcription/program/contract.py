@@ -78,7 +78,7 @@ class NonlinearProgram(Protocol):
         ...
 
 
-class Term(Protocol):
+class ObjectiveTerm(Protocol):
     """A part of an objective: its values and derivatives at z, shape (n,).
 
     structure: rows and columns (row >= column) of the nonzeros of its Hessian; those that stand twice are added.
@@ -100,7 +100,7 @@ class WithTerm:
     What it does not say itself the program says: rows, constraints and their derivatives, what costates are made of.
     """
 
-    def __init__(self, nlp: NonlinearProgram, term: Term) -> None:
+    def __init__(self, nlp: NonlinearProgram, term: ObjectiveTerm) -> None:
         self.nlp, self.term = nlp, term
 
     def __getattr__(self, name: str) -> Any:

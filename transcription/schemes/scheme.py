@@ -29,7 +29,7 @@ from ...problems.lean.records import dataclass
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
-from .segment import Group, Interpolant, KindOfMethod, Points, Segment
+from .segment import Interpolant, KindOfMethod, Points, Segment, SegmentGroup
 
 
 def collocation_scheme(segment: Segment) -> Scheme:
@@ -149,7 +149,7 @@ class Scheme:
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1): one polynomial."""
         return lagrange_basis(self.sigma, tau)
 
-    def complete(self, points: Points, group: Group) -> None:
+    def complete(self, points: Points, group: SegmentGroup) -> None:
         """The states that are eliminated, from the defects that define them."""
         x = points.x
         for node, row in self.eliminated:

@@ -26,7 +26,7 @@ import numpy as np
 from ..method_kind import TIMES
 from ..program.pointwise import PointFunctions
 from ..schemes.mesh import Mesh
-from ..schemes.segment import Group
+from ..schemes.segment import SegmentGroup
 from ..schemes.shooting import Shooting, shooting_scheme
 
 STEP = "[step]"
@@ -42,8 +42,9 @@ class Segments:
     nodes of u on each segment, `held` among its state nodes.
     """
 
-    def __init__(self, mesh: Mesh, group: Group, sizes: tuple[int, int, int], *, columns: np.ndarray, fixed: np.ndarray,
-                 dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int]) -> None:  # fmt: skip
+    def __init__(self, mesh: Mesh, group: SegmentGroup, sizes: tuple[int, int, int], *, columns: np.ndarray,
+                 fixed: np.ndarray, dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int],
+                 ) -> None:  # fmt: skip
         self.scheme = shooting_scheme(group.scheme)
         self.columns, self.fixed, self.dynamics, self.path = columns, fixed, dynamics, path
         self.n, self.n_u, self.n_p = sizes

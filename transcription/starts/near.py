@@ -80,7 +80,7 @@ def _passed(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
     return max(float(gap.max(initial=0.0)) for gap in gaps)
 
 
-def near(solution: Solution) -> Near:
+def what_is_left(solution: Solution) -> Near:
     """What a solution leaves for its neighbours."""
     own = solution.outcome
     points = tuple(trajectory.mesh.fractions for trajectory in solution.trajectories)

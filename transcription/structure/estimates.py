@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..dual.multipliers import ACTS, Multipliers
-from ..engines.linear import solved
+from ..engines.linear import hessian_of, jacobian_of, solved
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..measured.estimated import Estimates
@@ -83,17 +83,12 @@ class _Program:
     def __init__(
         self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, parameters: np.ndarray
     ) -> None:
-        from scipy.sparse import coo_matrix, diags
-
         self.nlp, self.outcome, self.parameters = nlp, outcome, parameters
         own = Multipliers(transcription, nlp, outcome)
         lower, upper, inner = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
-        z, y, n = outcome.z, outcome.y, nlp.n
-        half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (n, n)).tocsr()
-        self.H = half + half.T - diags(half.diagonal())
-        A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()
+        self.H, A = hessian_of(nlp, outcome.z, outcome.y), jacobian_of(nlp, outcome.z)
         controls = [layout.u[: len(layout.phase.controls)].ravel() for layout in transcription.phases]
-        bounded, of_controls = lower | upper, np.isin(np.arange(n), np.concatenate(controls))
+        bounded, of_controls = lower | upper, np.isin(np.arange(nlp.n), np.concatenate(controls))
         held = (own.bounds[0] == own.bounds[1]) | bounded & of_controls
         self.A, self.moving = A[own.equations], np.flatnonzero(~held)
         on, acting = self._held(own, A, np.flatnonzero(bounded & ~held), np.flatnonzero(inner))
