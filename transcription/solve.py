@@ -18,7 +18,7 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
-from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
+from .refinement.basin import in_vain, left_basin, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
@@ -256,21 +256,13 @@ class _Loop:
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
         barrier = goal.beyond_engine if goal else ""
-        if more and (why := barrier or self._in_vain(refine)):
+        if more and (why := barrier or in_vain(self.history[self.scheduled - 1 :], refine.tolerance, refine.objective)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
             self.stopped = f"the next mesh cannot be solved: {too_large[0].what}"
             return
         self.steps += more
-
-    def _in_vain(self, refine: Refine) -> str:
-        """Why no finer mesh would help, or ""."""
-        meshes = self.history[self.scheduled - 1 :]
-        asked, errors = refine.tolerance, [mesh.relative_error for mesh in meshes]
-        if refine.objective:
-            asked, errors = refine.objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
-        return stalled(meshes, refine.tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
 
     def _told(self) -> Solution:
         assert self.last is not None

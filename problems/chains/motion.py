@@ -229,7 +229,12 @@ class Chain:
         return summed([*([axis] if axis in self.base else []), *own])
 
     def velocity(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
-        """A coordinate of its velocity, m/s; share: number of a link that slides -> what of the point it carries."""
+        """A coordinate of the velocity of a point, m/s, as a text.
+
+        point: number of each link -> how far along it the point is reached, m.
+        axis: ACROSS or UP.
+        share: number of a link that slides -> what of the point it carries.
+        """
         terms = [f"d{axis}"] if axis in self.base else []
         for a, c in point.items():
             body = self.bodies[a]
@@ -240,7 +245,10 @@ class Chain:
         return summed(terms)
 
     def acceleration(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
-        """A coordinate of its acceleration, m/s^2; share: as of `velocity`."""
+        """A coordinate of the acceleration of a point, m/s^2, as a text.
+
+        point, axis, share: as of `velocity`.
+        """
         terms = [f"d{axis}[rate]"] if axis in self.base else []
         for a, c in point.items():
             body = self.bodies[a]

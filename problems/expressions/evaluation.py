@@ -136,6 +136,12 @@ class Walk:
         return self.scope[key] if key in self.scope else self.values[key]
 
     def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
+        """The value of an operation.
+
+        symbol: of the operator or the name of the function.
+        node: the operation.
+        operands: their values, numbers or arrays of one shape.
+        """
         return work_of(symbol, len(operands))(self.functions, operands)
 
     def look_up(self, node: Lookup, operands: list[Any]) -> Any:
@@ -173,6 +179,12 @@ class _Audit(Walk):
         return value
 
     def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
+        """The value of an operation.
+
+        symbol: of the operator or the name of the function.
+        node: the operation.
+        operands: their values, numbers or arrays of one shape.
+        """
         second = operands[-1]
         if second is not None and symbol == "/":
             self.refuse(node, second == 0, "divides by zero")

@@ -180,7 +180,11 @@ class Symbols:
         )
 
     def range(self, entry: Bounded | None, path: Path = (), unit: str = "") -> Range:
-        """The range of an entry; path, unit: as of `range_of`."""
+        """The range of an entry.
+
+        entry: with some of lower and upper, or None for no bounds.
+        path, unit: as of `range_of`.
+        """
         return Range() if entry is None else range_of(entry, self.function, path, self.origin, unit)
 
     def fault(self, expression: Expression) -> Fault | None:

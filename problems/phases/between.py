@@ -50,6 +50,7 @@ class Between:
         """Every mistake in the names of an expression.
 
         path: where it stands.
+        expression: of values at the ends of phases.
         constant: whether it must be known before the solution is, as a bound.
         """
         troubles = {}

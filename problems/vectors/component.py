@@ -163,7 +163,12 @@ class Filler:
         return UNKNOWN
 
     def evaluated(self, text: str, names: Names, path: Path) -> Value | None:
-        """The components of a text; None for one without vectors, and MISTAKEN for a mistaken one, of which is told."""
+        """The components of a text; None for one without vectors, and MISTAKEN for a mistaken one, of which is told.
+
+        text: an expression.
+        names: of the file, or of the phase that it stands in.
+        path: where a mistake is told.
+        """
         if (key := (id(names), text)) not in self.known:
             try:
                 self.known[key] = evaluate(text, names)

@@ -112,5 +112,11 @@ class Text:
         return self.text[node.col_offset : node.end_col_offset]
 
     def refuse(self, node: ast.expr, what: str, remedy: str) -> Mistaken:
+        """The mistake in a part of the text.
+
+        node: the part.
+        what: is wrong with it.
+        remedy: for it.
+        """
         shown = self.source(node) if self.colons else self.source(node).replace(":", "..")
         return Mistaken(f'"{shorten(shown, 60)}": {what}', remedy, shown)

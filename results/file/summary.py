@@ -15,6 +15,7 @@ from ...problems.quantities import LARGEST_NUMBER
 from ..declared.layout import MESH
 from .arrays import NO_BAR_YET, accuracy_of, bar_of, stored_meshes, unit_of
 from .door import DAMAGED, open_result, stored_problem
+from .json_values import for_json
 
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
 """Why there are no sensitivities in a result that has no place for them."""
@@ -288,16 +289,3 @@ def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
         "max": np.fmax.reduce(values),
         "unit": unit_of(dataset),
     }
-
-
-def for_json(value: Any) -> Any:
-    """The same without NumPy's types, and None for numbers that are not finite: what JSON can hold."""
-    if isinstance(value, dict):
-        return {str(key): for_json(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [for_json(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value

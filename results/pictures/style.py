@@ -168,7 +168,12 @@ class Frame:
     down: float = 0.45
 
     def figure(self, rows: Sequence[float], columns: int, width: float) -> tuple[Figure, GridSpec]:
-        """A figure of panels, each `width` inches wide, rows of the given heights, and its grid."""
+        """A figure of panels, and its grid.
+
+        rows: height of each row, inches.
+        columns: the number of columns.
+        width: of each panel, inches.
+        """
         count = len(rows)
         inner = (columns * width + (columns - 1) * self.across, sum(rows) + (count - 1) * self.down)
         W, H = inner[0] + self.left + self.right, inner[1] + self.top + self.bottom

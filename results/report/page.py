@@ -18,7 +18,7 @@ from typing import Any
 
 from ...problems.files import check_ours, check_suffix
 from ...problems.text import escaped
-from ..file.summary import for_json
+from ..file.json_values import for_json
 
 HERE = Path(__file__).parent
 MARK = "trajopt report"

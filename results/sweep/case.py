@@ -26,7 +26,8 @@ from ...transcription.loading import build_checked, load_yaml, located
 from ...transcription.solution.solution import Solution
 from ...transcription.starts.near import Near, what_is_left
 from ..file.guess import adapted
-from ..file.summary import causes, for_json
+from ..file.json_values import for_json
+from ..file.summary import causes
 from ..file.write import image_of
 from .check import in_case
 

@@ -15,6 +15,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -27,7 +28,7 @@ from ...problems.quantities import Range
 from ..cache.kept import keep, load_kept, name_of_kept
 from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
 from ..libraries.alone import LOCK
-from ..method_kind import Program
+from ..method_kind import DataNumber, Numbers, Program
 from ..program.compiled import CompiledNLP
 from ..schemes.mesh import Mesh
 from .forms import GROUPS, Forms, data_of, forms_of
@@ -206,3 +207,39 @@ def _bounds(problem: Problem, transcription: Transcription, nlp: CompiledNLP) ->
         rows = family.rows(nlp)
         lower[rows], upper[rows] = bounds.lower, bounds.upper
     return lower, upper
+
+
+# -- other numbers in a program ------------------------------------------------------------------------------------
+
+
+def numbers(transcription: Transcription, nlp: CompiledNLP) -> Numbers:
+    """The given times and the parameters of the file that are data of the machine code.
+
+    transcription: by collocation schemes and finite differences.
+    nlp: its compiled program.
+
+    What is literal in the program is data in one of values only, which is made if there is anything literal.
+    """
+    problem = transcription.problem
+    forms, most = forms_of(problem), forms_of(problem, values_only=True)
+    found = _in_slots(transcription, nlp, forms)
+    if any(all_.data.keys() - own.data.keys() for own, all_ in zip(_each(forms), _each(most), strict=True)):
+        from .model import by_model, compiled_model  # Pyomo
+
+        meshes, guess = [layout.mesh for layout in transcription.phases], [phase.guess for phase in problem.phases]
+        other = by_model(problem, meshes, guess, templates=True, values_only=True)
+        found = _in_slots(other, compiled_model(other, "lambda"), most) | found
+    return found
+
+
+def _each(forms: Forms) -> tuple:
+    return (*forms.phases, forms.links)
+
+
+def _in_slots(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], DataNumber]:
+    values = data_of(transcription.problem, forms)
+    return {key: DataNumber(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
+
+
+def _replaced(nlp: CompiledNLP, slot: int, value: float) -> CompiledNLP:
+    return nlp.with_numbers({slot: value}, nlp.cl, nlp.cu)

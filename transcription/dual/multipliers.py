@@ -146,7 +146,12 @@ class Multipliers:
         return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
 
     def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound: np.ndarray | float) -> np.ndarray:
-        """theta, see above; multiplier: per normalised time, for what is bounded over time."""
+        """theta, see above, in the shape of the multipliers.
+
+        multiplier: per normalised time, for what is bounded over time.
+        slack: how far the bound is, in its unit; the same shape.
+        bound: in the same unit.
+        """
         size = 1 + np.abs(bound)
         nu, s = np.abs(multiplier) * size / (1 + abs(self.outcome.objective)), np.maximum(slack, 0.0) / size
         return np.where(nu + s > 0, nu / np.where(nu + s > 0, nu + s, 1.0), 1.0)
@@ -187,7 +192,12 @@ class Multipliers:
     # -- over time ---------------------------------------------------------------------------------------------------
 
     def of_rows(self, phase: Phase, kind: ConstraintKind, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,)."""
+        """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,).
+
+        phase: that it is of.
+        kind: such as PATH.
+        name: in the file.
+        """
         s, rows, weights = self._rows(phase, kind, name)
         return s, self.over_time[rows], weights
 

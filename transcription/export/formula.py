@@ -209,6 +209,12 @@ class Printer(StreamBasedExpressionVisitor):  # type: ignore[misc]  # Pyomo has 
         return self.beforeChild(None, expression, None)
 
     def beforeChild(self, node: Any, child: Any, index: Any) -> Any:  # noqa: N802 (Pyomo's name)
+        """Whether to walk into a part of an expression, and its formula if not; called by Pyomo's walker.
+
+        node: the expression.
+        child: the part.
+        index: of the part in it.
+        """
         if child.__class__ in native_numeric_types:
             return False, tex_number(child)
         if child.is_expression_type():

@@ -143,7 +143,12 @@ class JoinedNLP:
 
     @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         parts = zip(self.parts, self.programs, self._slices(y), strict=True)
         own = [program.hessian(z[part.places], rows, sigma) for part, program, rows in parts]
         weights = np.append(y[self.offsets[-1] :], [self.sense * sigma] * self.has_mayer)

@@ -129,7 +129,14 @@ class Scheme:
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in distinct(counts)]
 
     def eliminate(self, node: int, row: int, x: Any, f: Any, h: Any) -> Any:
-        """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
+        """The state at an eliminated node: a number, an array or a Pyomo expression, as the values are.
+
+        node: its number among the state nodes.
+        row: the defect that gives it.
+        x: state node -> value of the state, for the others.
+        f: collocation node -> rate of the state.
+        h: duration of the segment.
+        """
         combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
         combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
         return combination / float(self.L[row, node])

@@ -171,7 +171,13 @@ class PhaseProgram:
     # -- second derivatives ----------------------------------------------------------------------------------------
 
     def multipliers(self, s: Segments, number: int, y: np.ndarray, sigma: float) -> tuple[np.ndarray, ...]:
-        """Of the end of the segments of one group, of g and of the bounds at their points."""
+        """Multipliers of the ends of the segments of one group, of g and of the bounds at their points, as `adjoint`.
+
+        s: the group.
+        number: of it.
+        y: (m,) multipliers of the rows.
+        sigma: of the objective.
+        """
         common = np.concatenate([np.full(self.has_cost, sigma), y[self.rows.integral]])
         end = np.hstack([-y[self.rows.defects[number]], np.tile(common, (len(s.columns), 1))])
         return end, y[self.rows.path[number]], y[self.rows.bounds[number]]

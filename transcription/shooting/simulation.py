@@ -178,7 +178,11 @@ class Segments:
     # -- adjoints and second derivatives ---------------------------------------------------------------------------
 
     def adjoint(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The sweep back, for multipliers of the end (G, n + q), of g (G, P, n_g) and of the bounds (G, P - 1, n_b).
+        """The sweep back through the stages.
+
+        end: (G, n + q) multipliers of the states and integrals at the end of each segment.
+        path: (G, P, n_g) of the path constraints at the points.
+        bound: (G, P - 1, n_b) of the bounds of states at the points after the first.
 
         Returns mu (G, S, r, n + q) of the stages; the derivative of the Lagrangian by x at the starts of the substeps
         without the constraints there (G, S, n); and that of these constraints alone (G, S, n).
@@ -206,7 +210,10 @@ class Segments:
         return mu, after, own[:, :, 0]
 
     def hessian(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> np.ndarray:
-        """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y)."""
+        """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y).
+
+        end, path, bound: multipliers, as of `adjoint`.
+        """
         mu, _, _ = self.adjoint(end, path, bound)
         # Bounds have no curvature of their own, as they are linear in x: their multipliers are in mu.
         M, V = self.dynamics.hessian(self.stages, mu), self._stage_tangents

@@ -120,7 +120,11 @@ class PhaseLagrangian:
         return consistent_inputs(self.phase, t, x, u, self.p)
 
     def values(self, function: Function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Of a function of the problem, in the shape of t; states x and inputs u have a row for each."""
+        """The values of a function of the problem, in the shape of t.
+
+        function: of the phase.
+        t, x, u: as of `Phase.arguments`.
+        """
         return np.broadcast_to(function(self.phase.arguments(t, x, u, self.p), np), np.shape(t))
 
     def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
