@@ -72,8 +72,8 @@ app = typer.Typer(
     cls=Commands,
     help="Trajectory optimization from a problem file: direct collocation, Pyomo, IPOPT, HDF5.",
     epilog="Exit codes: 0 solved; 1 not solved (the result is still written); 2 mistake in the file or on the "
-    "command line; 3 a file cannot be read or written; 130 or 143 interrupted (the last "
-    "iterate is written).",
+    "command line; 3 a file cannot be read or written; 4 solved, but not as accurate as was asked; 129, 130 or 143 "
+    "interrupted (the last mesh that was solved is written, or the last iterate).",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from .errors import FileError, Mistake, SpecError
-from .files import check_writable, replacing
+from .files import check_writable, write_whole
 from .lean.records import dataclass
 from .text import did_you_mean, shorten
 
 _FOLDER = Path(__file__).parent
+_NAME = re.compile(r"^name:.*(?:\n+[ \t]+\S.*)*", re.MULTILINE)
+"""The name of a problem in its file, with the lines on which it goes on."""
+
 TEMPLATE = "template"
 
 
@@ -98,25 +101,26 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
     source: the name of a shipped problem, a path, or "template".
     force: whether an existing file is replaced.
 
-    Raises FileError if it cannot be written, if it exists and `force` is not set, or if there is no such source.
+    Raises FileError if it cannot be written, if it exists and `force` is not set, or if there is no such source, and
+    SpecError if that is no text.
     """
+    from .load import read_text
+
     target = Path(name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
     origin = _FOLDER / f"{TEMPLATE}.yaml" if source == TEMPLATE else find_problem(source)
     check_writable(target, force)
-    text = origin.read_text(encoding="utf-8")
+    text = read_text(origin)
     copies = {origin.parent / file: target.parent / file for file in files_of(text)}
     for data, copy in copies.items():
         if data.is_file() and not (copy.exists() and copy.read_bytes() == data.read_bytes()):
             copy.parent.mkdir(parents=True, exist_ok=True)
             check_writable(copy, force)
     title = target.stem if re.fullmatch(r"[A-Za-z][\w-]*", target.stem) else json.dumps(target.stem)
-    lines = [f"name: {title}" if line.startswith("name:") else line for line in text.splitlines()]
-    with replacing(target) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = _NAME.sub(lambda _: f"name: {title}", text, count=1)
+    write_whole(target, f"{text.rstrip()}\n")
     for data, copy in copies.items():
         if data.is_file():
-            with replacing(copy) as temporary:
-                temporary.write_bytes(data.read_bytes())
+            write_whole(copy, data.read_bytes())
     return target
 
 

@@ -28,7 +28,7 @@ def compared(entry: MeasuredEntry, symbols: Symbols) -> dict[str, Expression]:
     return {column: reference(column) for column in entry.data if column in known}
 
 
-def measured(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
+def measurements_of(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
     """The measurements of a phase, quantity by quantity.
 
     spec, symbols: of the phase, without mistakes.
@@ -87,6 +87,6 @@ def _numbers(column: list[float | None]) -> np.ndarray:
 
 def _unit(name: str, symbols: Symbols, spec: Spec) -> str:
     """That of the state or the named expression that is measured by itself."""
-    varying = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    varying = symbols.variables
     units: Mapping[str, str] = {variable.name: variable.unit for variable in varying}
     return units.get(name) or (spec.expressions[name].unit if name in spec.expressions else "")

@@ -189,7 +189,10 @@ class Phase:
         return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
+        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`.
+
+        t, x, u, p: as of `arguments`.
+        """
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
             rates = self.rates(values, np)
@@ -217,6 +220,11 @@ class Problem:
     mayer: Function | None = None
     numbers: Mapping[str, float] = field(default_factory=dict)
     literal: tuple[float, ...] = ()
+
+    @property
+    def between(self) -> tuple[Function, ...]:
+        """The functions of the ends of several phases."""
+        return (*(link.function for link in self.links), *([self.mayer] if self.mayer else []))
 
     def start_of_parameters(self, guess: Sequence[Curves]) -> dict[str, float]:
         """Name of each static parameter -> its value at the start. guess: one for each phase."""

@@ -128,6 +128,11 @@ class Constraint:
 
 
 @dataclass(frozen=True)
+class Continuity(Constraint):
+    """A link by which a state, or the time, goes on from one phase to another: its multiplier is a costate."""
+
+
+@dataclass(frozen=True)
 class EndConstraint(Constraint):
     """A boundary constraint at the top level of a file with phases: a link in all but what it is called."""
 

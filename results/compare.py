@@ -136,7 +136,8 @@ def _whole_distances(first: Sequence[PhaseCurves], other: Sequence[PhaseCurves])
 
 def _over_phases(phases: Sequence[PhaseCurves], name: str, s: np.ndarray) -> np.ndarray:
     """A state at fractions s of the time of all phases, NaN in a gap between them."""
-    t = phases[0].dense_time[0] + s * (phases[-1].dense_time[-1] - phases[0].dense_time[0])
+    first, last = phases[0].dense_time[0], phases[-1].dense_time[-1]
+    t = np.clip(first + s * (last - first), first, last)  # at s = 1 rounding may lead beyond the end
     values = np.full(len(s), np.nan)
     for phase in phases:
         start, end = phase.dense_time[[0, -1]]

@@ -15,7 +15,7 @@ CONTROL, STATE, PATH = "control", "state", "path"
 
 SINGULAR, HELD = "singular", "held by "
 """What determines a control inside its bounds: H is linear in it, or it keeps something else, named after HELD, on a
-bound. Neither is told as ""."""
+bound. "" where it is neither."""
 
 
 CLOSE = 0.05

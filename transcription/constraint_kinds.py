@@ -9,7 +9,7 @@ from collections.abc import Callable
 from enum import Enum, auto
 
 from ..problems.lean.records import dataclass
-from ..problems.quantities import Constraint, EndConstraint
+from ..problems.quantities import Constraint, EndConstraint, Range, State
 
 
 class Multiplier(Enum):
@@ -59,6 +59,10 @@ PATH_END = ConstraintKind(  # of a path constraint at an end that is no collocat
     "path end", "path constraint '{}'", "Path constraint {}", "", Multiplier.NUMBER)
 BOUND = ConstraintKind(  # of a state that is no variable
     "bound", "the bounds of {}", "Bounds of {}", "", Multiplier.DENSITY, sized=True)
+BOUND_INITIAL = ConstraintKind(
+    "bound initial", "the initial value of {}", "Initial value of {}", "", Multiplier.NUMBER, sized=True)
+BOUND_FINAL = ConstraintKind(
+    "bound final", "the final value of {}", "Final value of {}", "", Multiplier.NUMBER, sized=True)
 BOUNDARY = ConstraintKind(
     "boundary", "boundary constraint '{}'", "Boundary constraint {}", "boundary", Multiplier.NUMBER, timed=False)
 CONDITION = ConstraintKind(  # without time
@@ -72,12 +76,20 @@ ENDS = ConstraintKind(  # the same, where the file has it among the boundary con
 # fmt: on
 
 
-KINDS = (DEFECT, RESIDUAL, DELAY, PATH, PATH_END, BOUND, BOUNDARY, CONDITION, INTEGRAL, LINK, ENDS)
+OF_STATES = (BOUND, BOUND_INITIAL, BOUND_FINAL)
+"""What is asked of a state that is no variable."""
+
+KINDS = (DEFECT, RESIDUAL, DELAY, PATH, PATH_END, *OF_STATES, BOUNDARY, CONDITION, INTEGRAL, LINK, ENDS)
 
 
 def kind_called(name: str) -> ConstraintKind:
     """The row of a name."""
     return next(kind for kind in KINDS if kind.name == name)
+
+
+def range_of_state(kind: ConstraintKind, state: State) -> Range:
+    """What rows of a kind, one of OF_STATES, hold a state to."""
+    return {BOUND: state.bounds, BOUND_INITIAL: state.initial, BOUND_FINAL: state.final}[kind]
 
 
 def kind_between(constraint: Constraint) -> ConstraintKind:

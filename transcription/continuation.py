@@ -25,10 +25,12 @@ from ..problems.problem import Curves, Problem
 from ..problems.schema.spec import Spec
 from ..problems.text import did_you_mean, shorten
 from ..problems.yaml.locations import Finding
-from .settings import schedule_of, settings_of
+from .engines.outcome import Status
+from .engines.watch import Limit
+from .settings import Settings, schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
-from .solve import solve, with_elsewhere
-from .starts.near import Near, near
+from .solve import solve
+from .starts.near import Near, what_is_left
 
 SMALLEST = 1 / 64
 """Of a step of the schedule: where it would be smaller, the way ends."""
@@ -38,6 +40,8 @@ RELAX = "relax"
 
 SECTIONS = ("parameters", "time", "states", "controls", "algebraic", "optimize", "constraints", "links", "phases")
 """What has numbers that are looked at for a path that leads to none."""
+
+CUT_SHORT = (Status.INTERRUPTED, Status.TIME_LIMIT)
 
 Progress = Callable[[int, dict], None] | None
 Stop = Callable[[], bool] | None
@@ -66,7 +70,7 @@ def solve_spec(
         solution = solve(problems, *how, guess=guess, near=near, progress=progress, stop=stop)
     else:
         solution = _Way(spec, problems, progress, stop).walked()
-    return with_elsewhere(solution, began)
+    return solution.since(began)
 
 
 def is_direct(spec: Spec) -> bool:
@@ -82,15 +86,18 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
     data = json.loads(spec.model_dump_json()) if spec.continuation else {}
-    way, wrong = {}, []
+    way, own, wrong = {}, {}, []
     for given, values in spec.continuation.items():
-        path = re.sub(r"^waypoints\.(\d+)\.(?!states|time|name)", r"waypoints.\1.states.", given)  # the long form
-        own = _number_at(data, path)
-        if own is None:
+        path = re.sub(r"^waypoints\.(\d+)\.(?!(?:states|time|name)\b)", r"waypoints.\1.states.", given)  # long form
+        number = _number_at(data, path)
+        if number is None:
             what = f"{path} is no number in this file, so there is nothing to go through"
             wrong.append(Finding(("continuation", path), what, _meant(path, data)))
         else:
-            way[path] = [*values, own] if values[-1] != own else list(values)
+            way[path], own[path] = list(values), number
+    if any(values[-1] != own[path] for path, values in way.items()):
+        as_long = len({len(values) for values in way.values()}) == 1  # then a file's own value at the end stands twice
+        way = {p: values if values[-1] == own[p] and not as_long else [*values, own[p]] for p, values in way.items()}
     if not wrong and len({len(values) for values in way.values()}) > 1:
         what = "the lists of values do not have one length, the values of the file counted"
         wrong.append(Finding(("continuation",), what, "give all of them the same number of values"))
@@ -165,9 +172,9 @@ def _at(spec: Spec, values: Mapping[str, float]) -> Spec:
     return load_text(spec.model_dump_json(), spec.file, [f"{path}={value!r}" for path, value in values.items()])
 
 
-def _between(path: str, low: float, high: float, share: float) -> float:
-    """A value between two of the schedule; of what spans orders of magnitude, a geometric mean."""
-    return low ** (1 - share) * high**share if path.endswith(RELAX) else low + share * (high - low)
+def _between(low: float, high: float, share: float, relaxed: bool) -> float:
+    """A value between two of the schedule; of a relaxation, which spans orders of magnitude, a geometric mean."""
+    return low ** (1 - share) * high**share if relaxed else low + share * (high - low)
 
 
 @dataclass
@@ -183,11 +190,12 @@ class _Way:
         self.values = way_of(self.spec)
         self.last = len(next(iter(self.values.values()))) - 1
         self.steps: list[ContinuationStep] = []
+        self.limit = Limit(settings_of(self.spec).seconds, self.stop)
 
     def walked(self) -> Solution:
         """The solution of the file's problem, or that of the first step that cannot be made."""
         at, step, failed = 0.0, 1.0, False
-        solution = self._solved(0.0, None)
+        first = solution = self._solved(0.0, None)
         while solution.status.usable and at < self.last:
             target = min(at + step, floor(at) + 1.0)
             following = self._solved(target, solution)
@@ -196,10 +204,12 @@ class _Way:
                 step, failed = step if failed else min(2 * step, 1.0), False
                 continue
             step, failed = step / 2, True
-            if step < SMALLEST or (self.stop and self.stop()):
+            if step < SMALLEST or following.status in CUT_SHORT:
                 solution = following
         told = () if self._at_the_end else (self._ended(),)
-        return replace(solution, continuation=tuple(self.steps), notes=(*solution.notes, *told))
+        drawn = first.notes if settings_of(self.spec).starts and solution is not first else ()
+        notes = (*(f"of the first problem on the way: {note}" for note in drawn), *solution.notes, *told)
+        return replace(solution, continuation=tuple(self.steps), notes=notes)
 
     @property
     def _at_the_end(self) -> bool:
@@ -214,17 +224,24 @@ class _Way:
             f"all this is of {which} of continuation:, {values}, which is not solved; that of the file was not reached"
         )
 
+    def _settings(self) -> Settings:
+        """Those of the file, with the time that is left of its limit."""
+        settings = settings_of(self.spec)
+        return settings if settings.seconds is None else replace(settings, seconds=max(self.limit.left(), 0.0))
+
     def _solved(self, at: float, before: Solution | None) -> Solution:
         """The solution at a place of the schedule, 0 for its first values, from the one before."""
         low, high = floor(at), ceil(at)
-        values = {path: _between(path, own[low], own[high], at - low) for path, own in self.values.items()}
+        relaxed, share = _relaxed(self.spec), at - low
+        values = {path: _between(own[low], own[high], share, path in relaxed) for path, own in self.values.items()}
         if at == self.last:
-            problems, schedule, settings = list(self.problems), schedule_of(self.spec), settings_of(self.spec)
+            problems, schedule, settings = list(self.problems), schedule_of(self.spec), self._settings()
         else:
             spec = _at(self.spec, values)
             problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
-            settings = replace(settings_of(spec), refine=None, starts=0)
-        guess, left = (before.trajectories, near(before)) if before else (None, None)
+            own = self._settings()
+            settings = replace(own, refine=None, starts=0 if before else own.starts)
+        guess, left = (before.trajectories, what_is_left(before)) if before else (None, None)
         solution = solve(problems, schedule, settings, guess=guess, near=left, progress=self.progress, stop=self.stop)
         iterations = sum(mesh.iterations for mesh in solution.meshes)
         objective = solution.objective if solution.status.usable else np.nan

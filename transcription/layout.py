@@ -12,7 +12,7 @@ from ..problems.lean.records import dataclass
 from ..problems.problem import Phase, Problem
 from ..problems.quantities import Range
 from ..problems.text import short_repr
-from .constraint_kinds import BOUND, DEFECT, DELAY, PATH, PATH_END, ConstraintKind
+from .constraint_kinds import DEFECT, DELAY, OF_STATES, PATH, PATH_END, ConstraintKind, range_of_state
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
@@ -33,7 +33,7 @@ class Family:
     scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
-    component: Any  # a Constraint of Pyomo, or shooting's `Rows`
+    component: Any  # a Constraint of Pyomo, or shooting's `ConstraintRows`
     phase: str
     kind: ConstraintKind
     name: str
@@ -155,8 +155,8 @@ def range_of_rows(problem: Problem, family: Family) -> Range:
     if family.phase == BETWEEN:
         return next(link.bounds for link in problem.links if link.name == name)
     phase = next(own for own in problem.phases if own.name == family.phase)
-    if kind is BOUND:
-        return next(state.bounds for state in phase.states if state.name == name)
+    if kind in OF_STATES:
+        return range_of_state(kind, next(state for state in phase.states if state.name == name))
     if kind in (DEFECT, DELAY):
         return EQUAL
     constraints = getattr(phase, PATH.functions if kind is PATH_END else kind.functions)

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..problems.lean.records import dataclass
 from ..problems.problem import Curves, Problem
-from .dual.multipliers import Multipliers
 from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .engines.watch import Watch
@@ -38,18 +37,6 @@ from .transcribe import program, with_costates
 LARGE, COARSE = 400, 100
 """Points of a first mesh that starts from a coarse one, and points of that: measured over the shipped problems, three
 methods and 1000 points, 0.53 of the time of a start from the guess on geometric average, 0.07 to 1.8 of it."""
-
-
-SMALLEST_PRODUCT = 1e-11  # of multiplier and slack, as IPOPT asks for: its barrier parameter ends at a tenth of it
-AIM = 0.3  # of the gap that is small enough
-IDLE = 100.0  # as much may be left by inequalities that do not act: it bends singular arcs only
-MOST_MOVED = 2.0  # times the gap: an objective that moves by more has gone to another point
-TIGHTENING = {
-    "max_iter": 50,
-    **dict.fromkeys(("warm_start_bound_push", "warm_start_bound_frac", "warm_start_slack_bound_push"), 1e-13),
-    **dict.fromkeys(("warm_start_slack_bound_frac", "warm_start_mult_bound_push"), 1e-13),
-}
-"""Options of a solve that starts from a solution with a larger barrier parameter: it stays where it is."""
 
 
 Found = tuple[Solution, Solved]
@@ -139,7 +126,7 @@ def _run(
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
-    scaling = _scaling(transcription, nlp, z, settings)
+    scaling = scaling_of(transcription, nlp, z, settings)
     damped = start.damping.of(nlp, transcription)
     engine = engine_solve(settings.engine)
 
@@ -151,20 +138,27 @@ def _run(
     else:
         outcome, more = run(options, multipliers), 0
     clock.append(time.perf_counter())
-    solution, solved = _measured(transcription, nlp, outcome, start.damping, tolerance, clock)
+    solution, solved = measured(transcription, nlp, outcome, start.damping, tolerance, clock)
     (record,) = solution.meshes
     return replace(solution, meshes=(replace(record, iterations=record.iterations + more),)), solved
 
 
-def _scaling(transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings) -> Scaling | None:
-    """That of the settings; with none, that of unknowns that are too small or too large for IPOPT."""
+def scaling_of(
+    transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings
+) -> Scaling | None:
+    """The scaling of a solve: that of the settings; with none, that of unknowns too small or too large for IPOPT.
+
+    transcription, nlp: of one problem.
+    z: (n,) where the solve starts.
+    settings: of the solve.
+    """
     sizes = settings.scaling
     if sizes is None and settings.engine == "ipopt" and "nlp_scaling_method" not in settings.options:
         sizes = extreme_sizes(transcription, z)
     return None if sizes is None else scale(transcription, nlp, z, sizes)
 
 
-def _measured(
+def measured(
     transcription: Transcription,
     nlp: NonlinearProgram,
     outcome: Outcome,
@@ -172,9 +166,13 @@ def _measured(
     tolerance: float,
     clock: list[float],
 ) -> Found:
-    """The solution of an outcome; clock: as of `_seconds`, but for the last time.
+    """The solution of an outcome.
 
-    The objective is that of the problem itself; what damping is worth is in the error bar.
+    transcription, nlp: of one problem.
+    outcome: of the engine.
+    damping: of its controls. The objective is that of the problem itself; what damping is worth is in the error bar.
+    tolerance: of the engine.
+    clock: as of `_seconds`, but for the last time.
     """
     if worth := damping.worth(nlp, transcription, outcome.z):
         outcome = replace(outcome, objective=outcome.objective - worth)
@@ -209,62 +207,14 @@ def _measured(
     return solution, Solved(transcription, nlp, outcome, phases, damping, worth)
 
 
-@np.errstate(all="ignore")
-def tightened(found: Found, settings: Settings, gap: float, watch: Watch) -> Found:
-    """The solution with a smaller barrier parameter, on the same mesh, from where it is; or as it is.
-
-    The barrier leaves a gap between J and the optimum of the nonlinear program, the sum of multiplier times slack over
-    the inequalities that act. The engine's own tolerance for one product does not see their number.
-
-    found: a solved mesh.
-    settings: of its solve.
-    gap: that is small enough, in units of the objective.
-    watch: who looks on.
-    """
-    solution, solved = found
-    if settings.engine != "ipopt" or solution.status is not Status.SOLVED or "compl_inf_tol" in settings.options:
-        return found
-    own = Multipliers(solved.transcription, solved.nlp, solved.outcome)
-    acting, count = own.acting_gap
-    if acting <= gap and own.gap <= IDLE * gap:
-        return found
-    began = time.perf_counter()
-    nlp, z, tolerance = solved.nlp, solved.outcome.z, solution.meshes[-1].tolerance
-    nlp.seconds.update(dict.fromkeys(nlp.seconds, 0.0))
-    product = max(AIM * gap / max(count, 1.0), SMALLEST_PRODUCT)
-    options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
-    scaling = _scaling(solved.transcription, nlp, z, settings)
-    start = Start(solved.outcome.y, solved.outcome.z_lower, solved.outcome.z_upper)
-    damped = solved.damping.of(nlp, solved.transcription)
-    outcome = engine_solve(settings.engine)(
-        damped or nlp, z, *own.bounds, options, start=start, scaling=scaling, **watch.callbacks()
-    )
-    if outcome.status is not Status.SOLVED or abs(outcome.objective - solved.outcome.objective) > MOST_MOVED * own.gap:
-        return found
-    better, again = _measured(
-        solved.transcription, nlp, outcome, solved.damping, tolerance, [began] * 3 + [time.perf_counter()]
-    )
-    return in_place(found, (better, again))
-
-
 def in_place(first: Found, second: Found, *notes: str) -> Found:
     """The second solution of a mesh, with the work of both and the notes of the first.
 
     first, second: one after the other.
     notes: what else there is to tell.
     """
-    records = (*first[0].meshes[:-1], added(first[0].meshes[-1], second[0].meshes[-1]))
+    records = (*first[0].meshes[:-1], second[0].meshes[-1].after(first[0].meshes[-1]))
     return replace(second[0], meshes=records, notes=(*first[0].notes, *notes)), second[1]
-
-
-def added(first: MeshRecord, second: MeshRecord) -> MeshRecord:
-    """The record of two solves on one mesh: the second's solution, the work of both.
-
-    first: its work counts.
-    second: its work and what it led to.
-    """
-    seconds = {part: first.seconds[part] + second.seconds[part] for part in first.seconds}
-    return replace(second, iterations=first.iterations + second.iterations, seconds=seconds)
 
 
 def _seconds(clock: Sequence[float], nlp: NonlinearProgram) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,17 +64,14 @@ def _exact_mesh(phase: Phase) -> Mesh | None:
 
 
 def schedule_of(spec: Spec) -> list[tuple[Step, ...]]:
-    """The mesh schedule of a problem file: for each of its entries one step for each phase.
-
-    Raises SpecError for an unknown method.
-    """
+    """The mesh schedule of a problem file: for each of its entries one step for each phase."""
     from ..problems.phases.merge import phase_specs
 
     return list(zip(*(steps(own.mesh) for own in phase_specs(spec).values()), strict=True))
 
 
 def steps(schedule: Sequence[MeshEntry]) -> list[Step]:
-    """The mesh schedule of one phase. Raises SpecError for an unknown method."""
+    """The mesh schedule of one phase."""
     keys = "method", "segments", "tolerance", "degree", "form", "substeps", "control"
     return [Step(*(getattr(entry, key) for key in keys)) for entry in schedule]
 
@@ -108,6 +105,15 @@ class Settings:
     seconds: float | None = None
     starts: int = 0
     seed: int = 0
+
+    def within(self, iterations: int | None) -> Settings:
+        """With so many iterations at most; as they are for None, or if they say how many themselves.
+
+        iterations: of IPOPT.
+        """
+        if iterations is None or self.engine != "ipopt" or "max_iter" in self.options:
+            return self
+        return replace(self, options={**self.options, "max_iter": iterations})
 
 
 DEFAULT = Settings()

@@ -5,25 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
-from time import perf_counter
 
-from ..problems.conserved.invariant import kept
+from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
-from .again.same_mesh import from_lower, sharpened, with_short_turns
+from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
+from .again.tightened import tightened
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Origin, in_place, solve_mesh, tightened
+from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
-from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
+from .refinement.basin import in_vain, left_basin, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
 from .settings import DEFAULT, Refine, Settings
-from .solution.solution import MeshRecord, Solution, with_bar
+from .solution.solution import MeshRecord, Solution, with_error_bar
 from .starts.near import Near
 from .transcribe import Planned, Schedule, planned, refused
 
@@ -74,15 +74,6 @@ def solve(
     the engine cannot take its program.
     """
     return _Loop(planned(problem, schedule), settings, progress, stop).run(Origin(guess, None, near=near))
-
-
-def with_elsewhere(solution: Solution, began: float) -> Solution:
-    """The solution, with the seconds since `began` that none of its meshes has.
-
-    solution: of one solve or of several.
-    began: `time.perf_counter` at the start of the first.
-    """
-    return replace(solution, elsewhere=max(perf_counter() - began - solution.seconds_of_meshes, 0.0))
 
 
 class _Loop:
@@ -188,12 +179,18 @@ class _Loop:
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
-        run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        found = run(*self.steps[number], self.settings, start, watch)
+        watch = self._watch()
+        if number:
+            found = from_coarser(self.steps[number], self.settings, start, watch)
+        else:
+            found = solve_first_mesh(*self.steps[number], self.settings, start, watch)
+            problem, _, tolerance = self.steps[number]
+            self.steps[number] = problem, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
-        solution = _out_of_time(solution, self.limit)
+        if solution.status is Status.INTERRUPTED and not self.limit.asked():
+            solution = solution.out_of_time()
         if self.last is None:
             return solution, solved
         refined, own = number >= self.scheduled, self.steps[number][0] is self.steps[number - 1][0]
@@ -215,11 +212,9 @@ class _Loop:
         damping = solved.damping.joined(rough, solution.objective)
         if len(damping.controls) == len(solved.damping.controls):
             damping, self.weakest = damping.stronger(), True
-        calm = solve_mesh(*self.steps[number], self.settings, Origin(solution.trajectories, None, damping), watch)
-        if not calm[0].status.may_replace(solution.status) or left_basin(solution, calm[0]):
-            self.rough = True
-            return found
-        return in_place(found, calm)
+        calm = with_damping(self.steps[number], self.settings, found, damping, watch)
+        self.rough = calm is None
+        return calm or found
 
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""
@@ -261,7 +256,7 @@ class _Loop:
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
         barrier = goal.beyond_engine if goal else ""
-        if more and (why := barrier or self._in_vain(refine)):
+        if more and (why := barrier or in_vain(self.history[self.scheduled - 1 :], refine.tolerance, refine.objective)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
@@ -269,20 +264,12 @@ class _Loop:
             return
         self.steps += more
 
-    def _in_vain(self, refine: Refine) -> str:
-        """Why no finer mesh would help, or ""."""
-        meshes = self.history[self.scheduled - 1 :]
-        asked, errors = refine.tolerance, [mesh.relative_error for mesh in meshes]
-        if refine.objective:
-            asked, errors = refine.objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
-        return stalled(meshes, refine.tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
-
     def _told(self) -> Solution:
         assert self.last is not None
         gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *kept(solution.problem))
+        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
             completed(solution, solved),
             meshes=(*self.history[:-1], solution.meshes[-1]),
@@ -299,18 +286,10 @@ class _Loop:
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""
-        wider = with_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
+        wider = with_error_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
         asked = self.settings.refine and self.settings.refine.objective
         missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
         return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
-
-
-def _out_of_time(solution: Solution, limit: Limit) -> Solution:
-    """The solution, whose status tells the time limit from an interruption."""
-    if solution.status is not Status.INTERRUPTED or limit.asked():
-        return solution
-    meshes = (*solution.meshes[:-1], replace(solution.meshes[-1], status=Status.TIME_LIMIT))
-    return replace(solution, status=Status.TIME_LIMIT, meshes=meshes)

@@ -27,11 +27,11 @@ def print_summary(summary: dict[str, Any]) -> None:
     solved = summary["solved"]
     verdict = "NOT SOLVED" if not solved else "solved, tolerance missed" if summary["inaccurate"] else "solved"
     print_title(f"{summary['problem']}: {verdict}", verdict == "solved")
-    for name, text in rows_of(summary):
+    for name, text in table_rows(summary):
         print_field(name, text)
 
 
-def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def table_rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """What is told of a result, a row of the table each: what it is, and the text."""
     summary = _rounded(summary)
     if not summary["solved"]:
@@ -223,6 +223,7 @@ def print_details(summary: dict[str, Any]) -> None:
     summary = _rounded(summary)
     for name, phase in summary["phases"].items():
         _print_phase(name, phase)
+    _print_prices(summary, "constraint between phases")
     print_correlation(summary["estimates"])
     print_arcs(summary["phases"])
     print()
@@ -256,11 +257,12 @@ def _print_phase(name: str, phase: dict[str, Any]) -> None:
     _print_prices(phase)
 
 
-def _print_prices(phase: dict[str, Any]) -> None:
-    if phase["prices"]:
-        rows = [(name, _number(value, 10)) for name, value in phase["prices"].items()]
+def _print_prices(told: dict[str, Any], of: str = "constraint") -> None:
+    """Of a phase, or of the whole result: then of what holds between phases."""
+    if told["prices"]:
+        rows = [(name, _number(value, 10)) for name, value in told["prices"].items()]
         print()
-        print_table(("constraint", "dJ/d bound"), rows, right=("dJ/d bound",))
+        print_table((of, "dJ/d bound"), rows, right=("dJ/d bound",))
 
 
 def _mesh_row(mesh: dict[str, Any]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,14 +16,15 @@ from pydantic import ValidationError
 from ..expressions.signature import name_trouble
 from ..names.symbols import UNKNOWN
 from ..schema.fields import CALLED
-from ..schema.model import BASE, CART, FLOATING, ModelEntry, is_chain
+from ..schema.model import BASE, CART, FLOATING, WELDED, ModelEntry, is_chain
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import Body, control_of
-from .check import mistakes
-from .closed import AXES, Closed, forces_of, name_of, with_loops
+from .bodies import control_of
+from .check import chain_mistakes
+from .closed import AXES, Closed, forces_of, name_of_loop, with_loops
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
+from .picture import drawing
 from .robots import robot_of, write_chain
 from .sections import list_in, mapping_in
 from .step import Stride
@@ -41,7 +43,7 @@ _GIVEN = {
 """Keys of a link that become named expressions -> their notes."""
 
 
-def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
+def write_out_chain(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     """Write the chain of a file out, if it has one.
 
     data: of the file, overrides applied; it is changed.
@@ -58,7 +60,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     except ValidationError:
         declare(data, model)
         return {}, []
-    if found := [*found, *mistakes(entry, data)]:
+    if found := [*found, *chain_mistakes(entry, data)]:
         declare(data, model)
         return of_robot, found
     short, found = _Writer(data, Chain(with_loops(entry))).write()
@@ -69,22 +71,25 @@ def declare(data: dict[str, Any], model: Mapping[str, Any]) -> None:
     """Declare what a mistaken chain would, with unknown values, about which no check says anything; model: as given."""
     links = model.get("links")
     links = [own if isinstance(own, dict) else {} for own in (links if isinstance(links, list) else [])]
-    angles = [str(own.get("angle") or f"q{i}") for i, own in enumerate(links, start=1)]
-    angles = [q for q in angles if not name_trouble(q)]
-    coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *angles]
+    numbers = list(accumulate(int(own.get("joint") != WELDED) for own in links))  # links that are fixed are not counted
+    moving = [(i, own) for i, own in zip(numbers, links, strict=True) if own.get("joint") != WELDED]
+    named = [str(own.get("angle") or own.get("distance") or f"q{i}") for i, own in moving]
+    places = [q for q in named if not name_trouble(q)]
+    coordinates = [*{CART: [ACROSS], FLOATING: [ACROSS, UP]}.get(str(model.get("base")), []), *places]
     states = mapping_in(data, "states")
     for name in (*coordinates, *(f"d{q}" for q in coordinates), *states):
         own = states.get(name) or {}
         if isinstance(own, dict) and not own.keys() & {"rate", "next", "accel", "velocity"}:
             states[name] = {**own, "rate": UNKNOWN}
     carts = [model["cart"]] if isinstance(model.get("cart"), dict) else []
-    for number, own in [*((0, own) for own in carts), *enumerate(links, start=1)]:
+    for number, own in [*((0, own) for own in carts), *moving]:
         motor = own.get("motor")
         name = control_of(motor, number) if isinstance(motor, str | bool) else ""
         if name not in states and not name_trouble(name):
             mapping_in(data, "controls").setdefault(name, {})
     names = "|".join(["com", *(re.escape(str(own.get("name") or f"link{i}")) for i, own in enumerate(links, start=1))])
-    for word in filter(re.compile(rf"({names})_[va]?[xy]").fullmatch, words_of(data)):
+    made = rf"({names})_([va]?[xy]|{'|'.join(_GIVEN)})"
+    for word in filter(re.compile(made).fullmatch, words_of(data)):
         mapping_in(data, "expressions").setdefault(word, UNKNOWN)
 
 
@@ -258,7 +263,7 @@ class _Writer:
             force, note = loop.force(axis), f"force on {loop.entry.link} that closes a loop"
             algebraic[force] = {"unit": "N", "note": note, **(algebraic.get(force) or {})}
             self.short.setdefault(("algebraic", force), path)
-            if (name := f"{name_of(loop.number)} {axis}") not in known:
+            if (name := f"{name_of_loop(loop.number)} {axis}") not in known:
                 self.short["residuals", len(residuals)] = path
                 residuals.append({"name": name, "expression": loop.residual(axis)})
             for gap, text in ((f"gap_{axis}", loop.gap(axis)), (f"gap_v{axis}", loop.closing(axis))):
@@ -277,31 +282,3 @@ class _Writer:
             if name not in known:
                 self.short["constraints", "boundary", len(boundary)] = ("model", "step")
                 boundary.append({"name": name, "expression": text, "equals": 0})
-
-
-def drawing(chain: Chain) -> Iterator[dict[str, Any]]:
-    """The links as lines from joint to tip, a cart as a box, the ground of a walker, and the path of the last tip.
-
-    A walker's legs have colours of their own, and the one that stands is dashed, as in Kelly 2017, Figure 13.
-    """
-    legs = chain.entry.step and Stride(chain, chain.entry.step)
-    first, last = chain.bodies[0].constant("length"), chain.bodies[-1]
-    if chain.entry.base == CART:
-        yield {"ground": f"-{first}/20"}
-        yield {"box": [ACROSS, 0], "width": f"0.3*{first}", "height": f"{first}/10", "name": CART_NAME}
-    if chain.entry.step:
-        yield {"ground": 0}
-    for body in chain.bodies:
-        ends = [[chain.position(point, axis) for axis in (ACROSS, UP)] for point in (body.along("0"), body.tip)]
-        yield {"line": ends, "name": body.name, **(_look_of(legs, body) if legs else {})}
-    tip = [f"{last.name}_{axis}" for axis in (ACROSS, UP)]
-    own = {"circle": tip, "radius": f"{last.constant('length')}/20", "trail": True, "name": f"tip of {last.name}"}
-    yield {**own, "color": _look_of(legs, last)["color"]} if legs else own
-
-
-def _look_of(legs: Stride, body: Body) -> dict[str, Any]:
-    """Colour and dashes of a link of a walker; of two links that change roles, the one nearer to the base stands."""
-    before = legs.before[body.number]
-    if before == body.number:
-        return {"color": "purple"}
-    return {"color": "vermilion", "dashed": True} if body.number < before else {"color": "blue"}

@@ -7,7 +7,7 @@ from math import isfinite
 
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
-from ..expressions.tree import Operation, nodes
+from ..expressions.tree import Operation
 from ..language.times import TimeParameter
 from ..measured import compared
 from ..names.occurrences import measured_path
@@ -35,7 +35,7 @@ def measurement_mistakes(
     times: ranges of its initial and its final time, None where mistaken.
     alone: whether it is all of the file, which measurements make phases of where its time is free.
     """
-    if not spec.measurements:
+    if not spec.measurements or spec.static:  # of which `phases.timeless` tells
         return
     first: Path = ("measurements", next(iter(spec.measurements)))
     if spec.objective.sense == "maximize":
@@ -109,7 +109,8 @@ def _columns(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[Fin
     declared = any(symbols.roles.get(column) == "expression" for column in columns)  # and is mistaken itself
     if not entry.compare and not compared(entry, symbols) and not declared:
         known = [state.name for state in symbols.states]
-        remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {known[0]}}}")
+        example = known[0] if known else "x"
+        remedy = did_you_mean(columns[0], known, f"say by compare: what they measure, {{{columns[0]}: {example}}}")
         yield Finding(_place(entry, path), f"no column is named as a state: {', '.join(map(brief, columns))}", remedy)
 
 
@@ -201,9 +202,7 @@ def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[F
             yield Finding(place, what, f"make {others[0]} a state, and its rate the control")
         elif not names & (states | symbols.static):
             yield Finding(place, "this depends on nothing that is to be found", "compare with states or parameters")
-        function = symbols.function(expression)
-        roots = [expression.root, *(definition.root for definition, _ in function.steps.values())]
-        for node in (node for root in roots for node in nodes(root)):
+        for node in (node for part in symbols.function(expression).parts for node in part.nodes):
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
                 what = f"{node.symbol} is not smooth"
                 yield Finding(place, what, "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)")

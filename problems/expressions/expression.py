@@ -21,7 +21,7 @@ from ..text import shorten, tidy
 from .evaluation import Fault, Walk, first_fault
 from .tape import Tape
 from .tokens import ExpressionError
-from .tree import Chain, Link, Name, Node, nodes, parse_tree
+from .tree import Link, Name, Node, OperatorChain, nodes, parse_tree
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -72,7 +72,9 @@ class Expression:
     def less(self, name: str) -> Expression:
         """This expression minus a named value: the change in one step, of the value after it."""
         span, text = (0, len(self.text)), f"({self.text}) - {name}"
-        return replace(self, text=text, root=Chain(*span, self.root, (Link(*span, "-", Name(*span, name, None)),)))
+        return replace(
+            self, text=text, root=OperatorChain(*span, self.root, (Link(*span, "-", Name(*span, name, None)),))
+        )
 
     def fault(self, values: Mapping[str, Any]) -> Fault | None:
         """The innermost sub-expression without a finite value; None if the expression is finite everywhere.
@@ -106,8 +108,7 @@ class Expression:
     @cached_property
     def constants(self) -> frozenset[str]:
         """The parameters that stand in the expression or in a definition that is needed."""
-        own = (self, *(definition for definition, _ in self.steps.values()))
-        return frozenset(leaf.name for part in own for leaf in part.leaves) & self.parameters.keys()
+        return frozenset(leaf.name for part in self.parts for leaf in part.leaves) & self.parameters.keys()
 
     @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
@@ -125,6 +126,11 @@ class Expression:
             graph[key] = sorted(self._keys(definition, end))  # a set has another order in each process
             waiting += [(n.name, end) for n in definition.leaves]
         return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
+
+    @cached_property
+    def parts(self) -> tuple[Expression, ...]:
+        """The expression and the definitions that it needs."""
+        return (self, *(definition for definition, _ in self.steps.values()))
 
     def _keys(self, part: Expression, end: str | None) -> set[str]:
         return {self.key(n.name, n.end or end) for n in part.leaves}

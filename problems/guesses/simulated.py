@@ -1,4 +1,4 @@
-"""A guess that meets the dynamics: integrated forward from the initial values, under controls that are given."""
+"""A guess that meets the dynamics: integrated, or stepped, forward from the initial values, under given controls."""
 
 from __future__ import annotations
 
@@ -39,8 +39,6 @@ def simulated(phase: Phase, spec: Spec, symbols: Symbols, start: Mapping[str, fl
 
     Raises RunawayError.
     """
-    from scipy.integrate import solve_ivp  # it takes longer to import than a small problem to solve
-
     guess, names = phase.guess, [state.name for state in phase.states]
     given = {name: symbols.function(e) for name, e in (spec.guess.simulate or {}).items()}
     x0 = np.array([start.get(state.name, state.initial.clip(guess.values[state.name][0])) for state in phase.states])
@@ -48,20 +46,37 @@ def simulated(phase: Phase, spec: Spec, symbols: Symbols, start: Mapping[str, fl
         return phase
     rates = _Rates(phase, symbols, given, x0)
     with np.errstate(all="ignore"):
-        found = solve_ivp(rates, (guess.initial_time, guess.final_time), x0, method="LSODA", dense_output=True,
-                          rtol=ACCURACY, atol=ACCURACY * (1e-3 + np.abs(x0)))  # fmt: skip
-    if not found.success:
-        raise RunawayError(phase.name, "the integration does not go on", found.t[-1])
-    t = np.union1d(np.linspace(guess.initial_time, guess.final_time, POINTS), found.t)
-    s = (t - guess.initial_time) / (guess.final_time - guess.initial_time)
-    values = guess.samples(s) | dict(zip(names, found.sol(t), strict=True))
-    with np.errstate(all="ignore"):
+        t, x = _stepped(phase, rates, x0) if phase.steps else _integrated(phase, rates, x0)
+        s = (t - guess.initial_time) / (guess.final_time - guess.initial_time)
+        values = guess.samples(s) | dict(zip(names, x, strict=True))
         values |= rates.controls(t, values)
     return replace(phase, guess=replace(guess, s=s, values=values))
 
 
+def _stepped(phase: Phase, rates: _Rates, x0: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The times (K,) and the states (n_x, K) there of x[k + 1] = f(t_k, x[k], u[k]); rates: f."""
+    t, x = phase.guess.initial_time + np.arange(phase.steps + 1.0), [x0]
+    for now in t[:-1]:
+        x.append(rates(now, x[-1]))
+    return t, np.transpose(x)
+
+
+def _integrated(phase: Phase, rates: _Rates, x0: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The times (K,) and the states (n_x, K) there of dx/dt = f(t, x, u); rates: f."""
+    from scipy.integrate import solve_ivp  # it takes longer to import than a small problem to solve
+
+    ends = phase.guess.initial_time, phase.guess.final_time
+    absolute = ACCURACY * (1e-3 + np.abs(x0))
+    found = solve_ivp(rates, ends, x0, method="LSODA", dense_output=True, rtol=ACCURACY, atol=absolute)
+    if not found.success:
+        raise RunawayError(phase.name, "the integration does not go on", found.t[-1])
+    t = np.union1d(np.linspace(*ends, POINTS), found.t)
+    return t, found.sol(t)
+
+
 class _Rates:
-    """dx/dt (n_x,) at a time t and states x (n_x,), under the controls of a guess and those that are given."""
+    """dx/dt, or x at the next step, (n_x,) at a time t and states x (n_x,), under the controls of a guess and those
+    that are given."""
 
     def __init__(self, phase: Phase, symbols: Symbols, given: Mapping[str, Function], x0: np.ndarray):
         self.phase, self.given, self.evaluations = phase, given, 0
@@ -90,8 +105,8 @@ class _Rates:
             name = states[int(np.argmin(np.isfinite(f)))].name
             raise RunawayError(self.phase.name, f"the rate of {name} has no finite value", t)
         if (np.abs(x) > self.largest).any():
-            name = states[int(np.argmax(np.abs(x) / self.largest))].name
-            raise RunawayError(self.phase.name, f"{name} runs away: it is {x[int(np.argmax(np.abs(x)))]:.2g}", t)
+            i = int(np.argmax(np.abs(x) / self.largest))
+            raise RunawayError(self.phase.name, f"{states[i].name} runs away: it is {x[i]:.2g}", t)
         if self.evaluations > MOST_EVALUATIONS:
             raise RunawayError(self.phase.name, "the integration takes too many steps", t)
         return f

@@ -10,29 +10,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import isclose
+from itertools import islice
 from typing import Any, NamedTuple
 
-from ..expressions.expression import parse
 from ..expressions.slips import MAX_LENGTH
-from ..expressions.tokens import ExpressionError
-from ..text import brief, did_you_mean
-from ..yaml.document import MAX_NODES, Path, in_words
+from ..text import brief
+from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
+from .ranges import BRACES, MOST, NAME, Mistaken, Values, filled, pairs, whole_numbers
 from .templates import OfTemplates, Repeat
 
 FOR = "for"
-MOST = 10_000
-"""Entries that one template may make."""
-
-Values = Mapping[str, int | str]
-
-_LOOP = re.compile(r"\s*([A-Za-z]\w*)\s+in\s+(.+?)\s*")
 _KEY = re.compile(r"for\s+(\S.*)")
-_BRACES = re.compile(r"\{([^{}]*)\}")
 _SUM = re.compile(r"\bsum\s*\(\s*([A-Za-z]\w*\s+in\s+)")
-_WORD = re.compile(r"\w+")
-_NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 class Expanded(NamedTuple):
@@ -44,14 +34,6 @@ class Expanded(NamedTuple):
     findings: Sequence[Finding] = ()
     counted: frozenset[str] = frozenset()
     of_templates: Callable[[list[Finding]], list[Finding]] = list
-
-
-class Mistaken(Exception):  # noqa: N818 - it ends the writing out of one entry
-    """What is wrong with an entry or a text, and the remedy. text: the part of it that is wrong."""
-
-    def __init__(self, what: str, remedy: str, text: str = ""):
-        self.what, self.remedy, self.text = what, remedy, text
-        super().__init__(what)
 
 
 def has_loops(node: Any) -> bool:
@@ -66,7 +48,7 @@ def has_loops(node: Any) -> bool:
     return False
 
 
-def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
+def templates_written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     """The data of a file with all templates written out.
 
     data: as the file has them, overridden parameters in them.
@@ -75,7 +57,7 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     expander = _Expander(lines, whole_numbers(data.get("parameters")))
     new = expander.mapping(data, (), (), {})
     texts = " ".join(_texts(data))
-    counted = expander.numbers.keys() & {*_NAME.findall(texts)}
+    counted = expander.numbers.keys() & {*NAME.findall(texts)}
     told = OfTemplates(expander.repeats, expander.filled)
     return Expanded(new, {**lines, **expander.lines}, expander.findings, frozenset(counted), told)
 
@@ -83,7 +65,7 @@ def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
 def _texts(node: Any) -> Iterator[str]:
     """What loops go over, and what stands in braces, anywhere in plain data."""
     if isinstance(node, str):
-        yield from _BRACES.findall(node)
+        yield from BRACES.findall(node)
         yield from (node[found.start() :] for found in _SUM.finditer(node))
     elif isinstance(node, list):
         for item in node:
@@ -91,18 +73,8 @@ def _texts(node: Any) -> Iterator[str]:
     elif isinstance(node, dict):
         yield str(node[FOR]) if _is_template(node) else ""
         for key, value in node.items():
-            yield key if _KEY.fullmatch(key) else " ".join(_BRACES.findall(key))
+            yield key if _KEY.fullmatch(key) else " ".join(BRACES.findall(key))
             yield from _texts(value)
-
-
-def whole_numbers(parameters: Any) -> dict[str, int | str]:
-    """The parameters of a file that are whole numbers: what a range may depend on."""
-    found: dict[str, int | str] = {}
-    for name, entry in parameters.items() if isinstance(parameters, dict) else ():
-        value = entry.get("value") if isinstance(entry, dict) else entry
-        if isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0:
-            found[name] = int(value)
-    return found
 
 
 class _Expander:
@@ -153,7 +125,7 @@ class _Expander:
         return items
 
     def _entry(self, entries: dict[str, Any], key: str, value: Any, place: Path, new: Path, at: Values) -> None:
-        name = self._or_told(place, key, lambda: _filled(key, at, self.numbers)) if at else key
+        name = self._or_told(place, key, lambda: filled(key, at, self.numbers)) if at else key
         if name in entries:
             fault = f'"{brief(name)}" is made more than once' if name != key else f'"{brief(key)}" is the same for all'
             self.findings.append(Finding(place, fault, "write the variable in braces in its key: x{i}"))
@@ -165,7 +137,7 @@ class _Expander:
     def filled(self, text: str, values: Values) -> str:
         """A text as it was made; of a mistaken one, of which is told, nothing."""
         try:
-            return _filled(text, values, self.numbers)
+            return filled(text, values, self.numbers)
         except Mistaken:
             return ""
 
@@ -189,27 +161,27 @@ class _Expander:
         return found
 
     def _each(self, loop: Any, so_far: list[Values]) -> list[Values]:
-        found: list[Values] = [
-            {**own, name: value} for own in so_far for name, value in _pairs(loop, own, self.numbers)
-        ]
-        if len(found) > MOST or self.made + len(found) > MAX_NODES:
+        most = min(MOST, MAX_NODES - self.made)
+        made = ({**own, name: value} for own in so_far for name, value in pairs(loop, own, self.numbers))
+        found: list[Values] = list(islice(made, most + 1))  # two long ranges would take all memory
+        if len(found) > most:
             raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
         return found
 
     def _text(self, text: str, values: Values) -> str:
         """A text of a template, or one with sums, whose braces may hold the variables of these."""
         if not _SUM.search(text):
-            return _filled(text, values, self.numbers) if values else text
-        text = _filled(text, values, self.numbers, of_all=False)
+            return filled(text, values, self.numbers) if values else text
+        text = filled(text, values, self.numbers, of_all=False)
         while found := _SUM.search(text):  # the outermost first: the range of an inner one may depend on its variable
             stop, comma = _closing(text, found.end())
             loop, term = text[found.start(1) : comma], text[comma + 1 : stop].strip()
-            terms = [f"({_filled(term, at, self.numbers, of_all=False)})" for at in self._each(loop, [{}])]
+            terms = [f"({filled(term, at, self.numbers, of_all=False)})" for at in self._each(loop, [{}])]
             text = f"{text[: found.start()]}({' + '.join(terms) or '0'}){text[stop + 1 :]}"
             if len(text) > MAX_LENGTH:
                 what = f"written out, this sum has more than {MAX_LENGTH} characters"
                 raise Mistaken(what, "name its terms under expressions:, or make the range shorter")
-        return _filled(text, values, self.numbers)
+        return filled(text, values, self.numbers)
 
     def _or_told(self, place: Path, default: Any, work: Any) -> Any:
         try:
@@ -226,69 +198,6 @@ def _is_template(value: Any) -> bool:
 
 def _without_for(value: Any) -> Any:
     return {key: own for key, own in value.items() if key != FOR} if _is_template(value) else value
-
-
-def _pairs(loop: Any, values: Values, numbers: Values) -> Iterator[tuple[str, int | str]]:
-    """(variable, value) for each value of a loop: "i in 1..N", "leg in left, right"."""
-    match = _LOOP.fullmatch(loop) if isinstance(loop, str) else None
-    if match is None:
-        what = f"{in_words(loop)} says not what is repeated"
-        raise Mistaken(what, "write a name and a range, i in 1..20, or a name and words, leg in left, right")
-    name, over = match.groups()
-    if name in values or name in numbers:
-        what = f"{name} is {'a parameter' if name in numbers else 'the variable of another loop'} already"
-        raise Mistaken(what, "give the variable another name")
-    first, dots, last = over.partition("..")
-    if dots:
-        ends = [whole(end, values, numbers) for end in (first, last)]
-        if ends[1] - ends[0] > MOST:
-            raise Mistaken(f"this makes more than {MOST} entries", "write a shorter range")
-        yield from ((name, value) for value in range(ends[0], ends[1] + 1))
-        return
-    words = [word.strip() for word in over.strip("[]").split(",")]
-    for word in words:
-        if not _WORD.fullmatch(word):
-            what = f'"{brief(over)}" is neither a range nor a list of words'
-            raise Mistaken(what, "write two ends, 1..20, or words with commas between them")
-        yield name, int(word) if word.isdigit() else word
-
-
-def _filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> str:
-    """A text with the values in place of what stands in braces; of_all: also of variables that are not known."""
-
-    def instead(braces: re.Match[str]) -> str:
-        inside = braces[1].strip()
-        if not of_all and not {*_NAME.findall(inside)} <= {*values, *numbers}:
-            return braces[0]
-        return str(values[inside] if inside in values else whole(inside, values, numbers))
-
-    return _BRACES.sub(instead, text)
-
-
-def whole(text: str, values: Values, numbers: Values, in_loop: bool = True) -> int:
-    """The whole number that an expression is. Raises Mistaken if it is none.
-
-    text: the expression.
-    values: of the variables of loops.
-    numbers: parameters that are whole numbers.
-    in_loop: whether there may be such variables.
-    """
-    try:
-        expression = parse(text)
-    except ExpressionError as error:
-        raise Mistaken(error.what, error.remedy) from error
-    known = {**numbers, **values}
-    for leaf in expression.leaves:
-        if not isinstance(known.get(leaf.name), int):
-            parameter = "parameter that is a whole number"
-            lacks = "no variable of a loop" if in_loop else f"no {parameter}"
-            what = f"{leaf.name} is {'a word' if leaf.name in known else lacks}"
-            otherwise = f"{'name a variable of the loop, or' if in_loop else 'write a number, or name'} a {parameter}"
-            raise Mistaken(f'"{brief(text)}": {what}', did_you_mean(leaf.name, known, otherwise))
-    value = expression.bind({name: float(own) for name, own in known.items() if isinstance(own, int)}, {}).constant()
-    if not isclose(value, round(value), abs_tol=1e-9):
-        raise Mistaken(f'"{brief(text)}" is {value:g}, no whole number', "change it")
-    return round(value)
 
 
 def _closing(text: str, start: int) -> tuple[int, int]:

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..chains.write import write_out as write_out_chain
+from ..chains.write import write_out_chain
 from ..checks.values import NO_STATES
 from ..language import loops
 from ..phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
 from ..schema.spec import Spec
 from ..text import printable
 from ..vectors import write_out as vectors
+from ..vectors.presence import concerns, has_vectors
 from ..yaml.document import Document
 from ..yaml.document import Path as Place
 from ..yaml.locations import Finding, Locations
@@ -42,7 +43,7 @@ def without_loops(
         return document, {}, overrides, loops.Expanded(document.data, document.lines)
     numbers = [text for text in overrides if text.strip().startswith("parameters.")]
     data, given = override(document, numbers)
-    expanded = loops.written_out(data, document.lines)
+    expanded = loops.templates_written_out(data, document.lines)
     rest = [text for text in overrides if text not in numbers]
     return Document(expanded.data, expanded.lines, document.blocks), given, rest, expanded
 
@@ -58,11 +59,11 @@ def without_vectors(
 
     Also the paths of all overrides so far, those that remain, and what else there is to know of what is made.
     """
-    if not vectors.has_vectors(document.data):
+    if not has_vectors(document.data):
         return document, before, overrides, vectors.WrittenOut(document.data)
-    now = [text for text in overrides if vectors.concerns(text.partition("=")[0].strip(), document.data)]
+    now = [text for text in overrides if concerns(text.partition("=")[0].strip(), document.data)]
     data, given = override(document, now)
-    made = vectors.written_out(data)
+    made = vectors.vectors_written_out(data)
     rest = [text for text in overrides if text not in now]
     document = Document(made.data, document.lines, document.blocks)
     return document, before | given, rest, made

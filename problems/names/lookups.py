@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Lookup, Name, Node, nodes, skeleton
-from ..problem import Phase
+from ..problem import Problem
 from ..quantities import Function, Range
 from ..schema.spec import Spec
 from ..tables.choices import ERROR
@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
 
 
-def fitted(spec: Spec, findings: list[Finding]) -> dict[str, Table]:
+def fitted_tables(spec: Spec, findings: list[Finding]) -> dict[str, Table]:
     """The tables by name; what is mistaken in one is added to the findings, and the table left out."""
     tables = {}
     for name, entry in spec.tables.items():
@@ -50,7 +50,7 @@ def misused(expression: Expression, tables: Mapping[str, Table]) -> list[tuple[s
     return found
 
 
-class Kept(NamedTuple):
+class KeptWithin(NamedTuple):
     """An argument of a table that has to stay within its points.
 
     name: the name that the argument is, and end: the end it is taken at; name is "" for any other expression.
@@ -66,7 +66,7 @@ class Kept(NamedTuple):
     key: Hashable
 
 
-def kept(function: Function) -> Iterator[Kept]:
+def kept_within(function: Function) -> Iterator[KeptWithin]:
     """The arguments of tables in a function of a problem, and in what it refers to, that may not leave the points."""
     if not isinstance(function, Expression):
         return  # a model's
@@ -78,7 +78,9 @@ def kept(function: Function) -> Iterator[Kept]:
                     key = skeleton(operand), end
                     plain = isinstance(operand, Name) and operand.name not in function.definitions
                     name, at = (operand.name, operand.end or end) if isinstance(operand, Name) and plain else ("", end)
-                    yield Kept(node.table, axis.name, axis.points, name, at, _taken_at(function, operand, end), key)
+                    yield KeptWithin(
+                        node.table, axis.name, axis.points, name, at, _taken_at(function, operand, end), key
+                    )
 
 
 def _taken_at(function: Expression, operand: Node, end: str | None) -> Expression:
@@ -88,13 +90,15 @@ def _taken_at(function: Expression, operand: Node, end: str | None) -> Expressio
     return part if end is None else part.at(end)
 
 
-def tables_of(phase: Phase) -> list[str]:
-    """The names of the tables that the equations of a phase look up."""
+def tables_of(problem: Problem) -> list[str]:
+    """The names of the tables that the equations of a problem look up."""
     found: dict[str, None] = {}
-    for function in (*phase.over_time, *phase.at_ends):
+    own = (function for phase in problem.phases for function in (*phase.over_time, *phase.at_ends))
+    measured = (entry.function for phase in problem.phases for entry in phase.measured)
+    for function in (*own, *measured, *problem.between):
         if isinstance(function, Expression):
-            trees = (function.root, *(definition.root for definition, _ in function.steps.values()))
-            found |= dict.fromkeys(node.table for root in trees for node in nodes(root) if isinstance(node, Lookup))
+            looked_up = (node for part in function.parts for node in part.nodes if isinstance(node, Lookup))
+            found |= dict.fromkeys(node.table for node in looked_up)
     return list(found)
 
 

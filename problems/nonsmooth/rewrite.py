@@ -19,7 +19,8 @@ from typing import NamedTuple
 from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
+from ..expressions.tree import Link, Name, Node, Number, Operation, OperatorChain, below, nodes, placed, rebuilt
+from ..language.walk import mapped
 from ..lean.records import dataclass
 from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names
 from ..names.symbols import Symbols
@@ -183,7 +184,7 @@ class _Slack(_Smooth):
         of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
-            difference = Chain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
+            difference = OperatorChain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
             sums.append(self._sum(node, difference, of_abs))
         return _extreme(node, operands, sums)
 
@@ -197,13 +198,13 @@ class _Slack(_Smooth):
         if not over_time:
             variables, relations = self.found.parameters, self.found.boundary
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
-        definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
+        definition = OperatorChain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
         relations.append(Relation(stem, Expression(text, definition), Range(0.0, 0.0)))
         if -1 in wanted:  # a sum larger than |y| would pay somewhere: only a constraint keeps it exact
-            both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
+            both = Expression(text, OperatorChain(*span, plus, (Link(*span, "*", minus),)))
             relations.append(Relation(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
-        return Chain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
+        return OperatorChain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
 
     def _warn(self, node: Operation, stem: str) -> None:
         where = excerpt(self.use.expression.text, node.start, node.stop)
@@ -285,16 +286,12 @@ def _extreme(node: Operation, operands: tuple[Node, ...], sums: list[Node]) -> N
 
 def _moved(tree: Node, name: Name, varies: Callable[[str], bool]) -> Node:
     """A tree in the place of a name: varying names in it are taken at the end that the name is taken at."""
-    if isinstance(tree, Name):
-        return replace(name, name=tree.name, end=name.end if varies(tree.name) else None)
-    new = rebuilt(tree, [_moved(node, name, varies) for node in below(tree)])
-    if isinstance(new, Chain):
-        new = replace(new, links=tuple(replace(link, start=name.start, stop=name.stop) for link in new.links))
-    return replace(new, start=name.start, stop=name.stop)
+    here = placed(tree, name.start, name.stop)
+    return mapped(here, lambda own: replace(own, end=name.end if varies(own.name) else None))
 
 
 def _ranges(spec: Spec, symbols: Symbols) -> dict[str, Range]:
     """The ranges of the values of every name that has bounds."""
-    ranges = {v.name: symbols.range(v.entry) for v in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+    ranges = {v.name: symbols.range(v.entry) for v in symbols.variables}
     ranges |= {name: symbols.range(static) for name, static in spec.optimize.items()}
     return ranges | {"t": Range(symbols.range(spec.time.initial).lower, symbols.range(spec.time.final).upper)}

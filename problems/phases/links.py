@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Link, Name
+from ..expressions.tree import Link, Name, OperatorChain
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
 from ..problem import Phase
-from ..quantities import Constraint, EndConstraint, Function, Range
+from ..quantities import Constraint, Continuity, EndConstraint, Function, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, own_entries, passages
@@ -43,19 +43,19 @@ def links_of(
     return tuple(links), None if terminal is None else between.function(terminal)
 
 
-def in_order(phase: Phase) -> Phase:
+def with_times_in_order(phase: Phase) -> Phase:
     """The phase, which does not end before it begins where its times leave that open."""
     if phase.final_time.lower >= phase.initial_time.upper:
         return phase
     text = "t[final] - t[initial]"
     last, first = Name(0, 0, TIME, "final"), Name(0, 0, TIME, "initial")
-    duration = Expression(text, Chain(0, len(text), last, (Link(0, len(text), "-", first),)))
+    duration = Expression(text, OperatorChain(0, len(text), last, (Link(0, len(text), "-", first),)))
     return replace(phase, boundary=(*phase.boundary, Constraint(DURATION, duration, Range(lower=0.0))))
 
 
 def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:
     """Time and states that go on from phase to phase, but for what is given as one number on both sides."""
-    links = []
+    links: list[Constraint] = []
     for own in passages(spec):
         source, target = phases[own.source], phases[own.target]
         if goes_on_in_time(spec, own) and not (source.final_time.fixed and target.initial_time.fixed):
@@ -69,7 +69,7 @@ def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:
     return links
 
 
-def continuity(name: str, source: str, target: str) -> Constraint:
+def continuity(name: str, source: str, target: str) -> Continuity:
     """A state, or t, has the same value at the end of one phase and at the start of another.
 
     name: of the state in both.
@@ -78,5 +78,5 @@ def continuity(name: str, source: str, target: str) -> Constraint:
     """
     end, start = Name(0, 0, f"{source}.{name}", "final"), Name(0, 0, f"{target}.{name}", "initial")
     text = f"{target}.{name}[initial] - {source}.{name}[final]"
-    difference = Expression(text, Chain(0, len(text), start, (Link(0, len(text), "-", end),)))
-    return Constraint(f"{name} from {source} to {target}", difference, ZERO)
+    difference = Expression(text, OperatorChain(0, len(text), start, (Link(0, len(text), "-", end),)))
+    return Continuity(f"{name} from {source} to {target}", difference, ZERO)

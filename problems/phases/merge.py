@@ -14,13 +14,13 @@ from weakref import ref
 
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
-from ..expressions.tree import Chain, Link, Number
+from ..expressions.tree import Link, Number, OperatorChain
 from ..language.integrals import where_written
 from ..language.means import place_of_mean
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.drawing import ShapeEntry
-from ..schema.fields import Entry
+from ..schema.fields import Entry, expressions_below
 from ..schema.phases import PhaseEntry
 from ..schema.sections import Constraints, GuessEntry, Objective, Terms
 from ..schema.solving import MeshEntry
@@ -199,12 +199,9 @@ def _drawn(spec: Spec, named: Mapping[str, Mapping[str, Any]]) -> list[ShapeEntr
     return [ShapeEntry.model_construct() if lacking & _names_in(shape) else shape for shape in spec.drawing]
 
 
-def _names_in(value: Any) -> set[str]:
+def _names_in(shape: ShapeEntry) -> set[str]:
     """The names in all expressions of a shape."""
-    if isinstance(value, Expression):
-        return {leaf.name for leaf in value.leaves}
-    parts = [item for _, item in value] if isinstance(value, Entry) else value if isinstance(value, list) else []
-    return set().union(*map(_names_in, parts))
+    return {leaf.name for _, expression in expressions_below(shape) for leaf in expression.leaves}
 
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -290,8 +287,8 @@ def _between(a: Expression, b: Expression, share: float) -> Expression:
         return a
     text = f"({a.text}) + (({b.text}) - ({a.text}))*{share!r}"
     span = 0, len(text)
-    width = Chain(*span, b.root, (Link(*span, "-", a.root), Link(*span, "*", Number(*span, share))))
-    return Expression(text, Chain(*span, a.root, (Link(*span, "+", width),)))
+    width = OperatorChain(*span, b.root, (Link(*span, "-", a.root), Link(*span, "*", Number(*span, share))))
+    return Expression(text, OperatorChain(*span, a.root, (Link(*span, "+", width),)))
 
 
 def _padded(mesh: list[MeshEntry], length: int) -> list[MeshEntry]:

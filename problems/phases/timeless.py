@@ -11,7 +11,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 
 
-def mistakes(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+def timeless_mistakes(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """Every mistake of that kind.
 
     spec: of one phase.
@@ -30,6 +30,9 @@ def _of_time(spec: Spec) -> Iterator[Finding]:
         if getattr(spec.constraints, kind):
             what = f"there is no time for {kind} constraints to hold over"
             yield Finding(("constraints", kind), what, remedy)
+    for name in spec.measurements:
+        what = "there is no time at which anything is measured"
+        yield Finding(("measurements", name), what, "write the sum of squares under minimize:, or give the file time:")
     if spec.objective.terms.integral is not None:
         what = "there is no time to integrate over"
         yield Finding(("objective", spec.objective.sense, "integral"), what, "write minimize: and the expression")

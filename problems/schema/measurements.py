@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema, model_validator
 
+from ..tables.series import by_time
 from .fields import Entry, Formula, Text, mistake, number
 from .series import Samples
 
@@ -55,7 +56,9 @@ class MeasuredEntry(Entry):
         description="column -> expression of t, states, controls and parameters that it measures; default: the columns "
         "that are named as a variable or an expression, with that",
     )
-    units: dict[str, Text] = Field({}, description="column -> its unit, a text; also that of time")
+    units: Annotated[dict[str, Text], AfterValidator(by_time)] = Field(
+        {}, description="column -> its unit, a text; also that of time"
+    )
     deviations: Exactness | None = Field(
         None, description="standard deviation of the values: a number, the name of a column, or these by column"
     )

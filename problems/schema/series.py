@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import PlainValidator, WithJsonSchema
 
 from ..tables.choices import MAX_VALUES
-from ..tables.series import TIME, Series
+from ..tables.series import TIME, Series, by_time
 from ..text import brief
 from ..yaml.document import in_words
 from .fields import mistake, number
@@ -45,6 +45,7 @@ def _lists(value: Any, gaps: bool = False) -> Series:
     if not isinstance(value, dict) or not all(isinstance(row, list) for row in value.values()):
         what = f"the data are {in_words(value)}" if not isinstance(value, dict) else "a column is no list"
         raise mistake(what, "write lists of numbers by name: {time: [0, 0.5, 1], x: [0, 0.2, 1]}")
+    value = by_time(value)
     if TIME not in value or len(value) < 2:
         what = "the data have no time" if TIME not in value else "the data have times alone"
         raise mistake(what, "write {time: [0, 0.5, 1], x: [0, 0.2, 1]}, with columns named after what they are of")

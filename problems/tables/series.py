@@ -8,13 +8,22 @@ from pathlib import Path
 from typing import Any
 
 from ..text import brief
-from .columns import numbers_of, read_rows, refuse
+from .columns import column_numbers, read_rows, refuse
 
 TIME = "time"
 NAMES_OF_TIME = (TIME, "t")
 
 Series = dict[str, list[Any]]
 """TIME -> times, increasing, and name of each column -> its numbers, None where there is none."""
+
+
+def by_time(columns: dict[Any, Any]) -> dict[Any, Any]:
+    """What is given by column, that of the times called TIME: t is another name of it.
+
+    columns: column -> anything.
+    """
+    own = next((name for name in NAMES_OF_TIME if name in columns), TIME)
+    return {TIME if name == own else name: value for name, value in columns.items()}
 
 
 def read_series(folder: Path, file: str, gaps: bool = False) -> Series:
@@ -35,11 +44,10 @@ def read_series(folder: Path, file: str, gaps: bool = False) -> Series:
     if len(header) < 2:
         raise refuse(f"{brief(file)} has a column of times alone", "add columns, named after what they are of")
     places = {name: k for k, name in enumerate(header)}
-    numbers = numbers_of(rows, places, file, {name for name in header if name != time} if gaps else ())
+    numbers = column_numbers(rows, places, file, {name for name in header if name != time} if gaps else ())
     times = numbers[:, places[time]]
     for (before, after), (line, _) in zip(pairwise(times), rows[2:], strict=True):
         if after < before or (after == before and not gaps):
             what = f"{brief(file)}, line {line}: the time {after:g} follows {before:g}"
             raise refuse(what, f"sort the lines by time{'' if gaps else ', and give each time once'}")
-    columns = {name: [None if isnan(v) else v for v in numbers[:, k].tolist()] for name, k in places.items()}
-    return {TIME: columns.pop(time), **columns}
+    return by_time({name: [None if isnan(v) else v for v in numbers[:, k].tolist()] for name, k in places.items()})

@@ -17,23 +17,21 @@ from typing import Any, NamedTuple
 
 from ..expressions.signature import signature
 from ..expressions.slips import RESERVED
-from ..language.loops import Mistaken, whole_numbers
+from ..language.ranges import Mistaken, whole_numbers
 from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from ..yaml.told import InWords, Made, Named
-from .algebra import Scalar, Shape, each, in_words, indexed, shape_of
+from .algebra import Scalar, Shape, each, indexed, shape_in_words, shape_of
 from .component import KEPT, MISTAKEN, Component, Filler, each_of
 from .misfits import told_once
-from .scope import DECLARED, DEFINED, RATES, Names, entries_of
-from .texts import OWN
+from .scope import DECLARED, DEFINED, Names, entries_of
 
 _ITEMS = {"residuals": ("expression",), "links": ("expression",), "complementarity": ("a", "b")}
 """Lists of what holds -> the keys of their expressions."""
 _CONSTRAINT = ("expression",)
 _PLAIN = ("time", "objective", "nonsmooth")
 _GUESSES = ("constants", "formulas", "simulate", "keyframes")
-_SIGNS = re.compile(rf"\b(?:{'|'.join(sorted(OWN))})\s*\(|@|(?:^|[(,])\s*\[")
 POINTS = ("line", "point", "circle", "box")
 """Kinds of shapes in a drawing that have points."""
 _OF_RATE = re.compile(r"(\w+)(\[rate\])")
@@ -56,46 +54,7 @@ class WrittenOut(NamedTuple):
     in_words: InWords = InWords()
 
 
-def has_vectors(data: Mapping[str, Any]) -> bool:
-    """Whether plain data have vectors anywhere: a size, a list as a value, or a function of vectors."""
-    owners = [data, *(own for own in entries_of(data, "phases").values() if isinstance(own, dict))]
-    return any(_declares(own) or _calls(own, ()) for own in owners)
-
-
-def _declares(data: Mapping[str, Any]) -> bool:
-    declared = (own for section in DECLARED for own in entries_of(data, section).values() if isinstance(own, dict))
-    defined = (own for section in DEFINED for own in entries_of(data, section).values())
-    values = (own.get("value") if isinstance(own, dict) else own for own in defined)
-    return any("size" in own or any(isinstance(own.get(key), list) for key in RATES) for own in declared) or any(
-        isinstance(own, list) and (len(own) > 1 or isinstance(next(iter(own), None), list)) for own in values
-    )
-
-
-def _calls(node: Any, path: Path) -> bool:
-    """Whether a text in the sections that are looked at has what only vectors have."""
-    if isinstance(node, str):
-        return _SIGNS.search(node) is not None
-    if isinstance(node, list):
-        return any(_calls(own, (0,)) for own in node)
-    if isinstance(node, dict):
-        return any(_calls(own, (key,)) for key, own in node.items() if (path or key in SECTIONS) and key not in KEPT)
-    return False
-
-
-def concerns(shown: str, data: Mapping[str, Any]) -> bool:
-    """Whether an override means a value as the file has it, with its vectors, and not one that is made of them.
-
-    shown: its path, parameters.J or states.q.initial; but states.q1.initial is of what is made.
-    data: of the file.
-    """
-    steps = shown.replace("[", ".").replace("]", "").split(".")
-    section = steps[0]
-    if section not in SECTIONS:
-        return False
-    return len(steps) < 2 or section not in (*DECLARED, *DEFINED) or steps[1] in (*entries_of(data, section), "*")
-
-
-def written_out(data: Mapping[str, Any]) -> WrittenOut:
+def vectors_written_out(data: Mapping[str, Any]) -> WrittenOut:
     """The data of a file with its vectors written out; templates are so already."""
     names = Names(data, whole_numbers(data.get("parameters")), None, ())
     filler = Filler()
@@ -303,7 +262,7 @@ class _Writer:
                 self.filler.texts[(*path, i)] = own.text, text
             return [own.text for own in each(found)]
         name = text if text.isidentifier() else "q"
-        what = f"this is {in_words(shape)}, and {'a point is a vector of 2' if points else 'has to be one value'}"
+        what = f"this is {shape_in_words(shape)}, and {'a point is a vector of 2' if points else 'has to be one value'}"
         remedy = f"write {name}[1..2], or [{name}[1], {name}[2]]" if points else f"name a component, as in {name}[1]"
         self.filler.findings.append(Finding(path, what, remedy))
         return [UNKNOWN, UNKNOWN] if points else UNKNOWN

@@ -18,10 +18,10 @@ import yaml
 from ..errors import Mistake, SpecError
 from ..lean.records import dataclass
 from ..text import brief, named
-from .punctuation import no_key, slips_of, strange, torn
+from .punctuation import no_key, strange, torn
+from .unreadable import MAX_LEVELS, TOO_DEEP, unreadable
 
 MAX_BYTES = 1_000_000
-MAX_LEVELS = 20
 MAX_NODES = 300_000
 MAX_ALIASES = 100
 TAKEN = ""  # stands in a path for a key that an override has taken away
@@ -29,7 +29,6 @@ MAX_TORN = 50  # pieces of one value in braces
 
 Path = tuple[str | int, ...]
 
-_TOO_DEEP = f"the file is nested deeper than {MAX_LEVELS} levels", "remove brackets or indentation"
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -42,22 +41,6 @@ _WORDS: dict[str, Any] = {
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffe\uffff]")
-
-# What PyYAML says -> how to mend it. The first phrase that occurs in its message decides.
-_REMEDIES = (
-    ("mapping values are not allowed", 'indent keys of one mapping alike, and put a value that holds ": " in quotes'),
-    ("',' or '}'", 'close the brace, and put an expression with [ ] or commas in quotes: "q1[final] - d"'),
-    ("',' or ']'", 'close the bracket, and put an expression with [ ] or commas in quotes: "q1[final] - d"'),
-    ("could not find expected ':'", "write each entry as key: value, and indent keys of one mapping alike"),
-    ("expected <block end>", "indent keys of one mapping alike"),
-    ("block sequence entries are not allowed", "start the list on a line of its own, one item a line"),
-    ("unexpected end of stream", "close the quotes"),
-    ("expected alphabetic or numeric", "put a text that starts with * or & in quotes"),
-    ("did not find expected key", "indent keys of one mapping alike, and close quotes and brackets"),
-    ("undefined alias", "put a text that starts with * in quotes"),
-    ("cannot start any token", "put a text that starts with this character in quotes"),
-    ("unknown escape character", "use single quotes around the text"),
-)
 
 
 @dataclass
@@ -106,7 +89,7 @@ def _compose(text: str, file: str) -> tuple[Any, _Composer]:
     try:
         data = composer.document()
     except yaml.YAMLError as error:
-        last = _explain(error, text, file, composer.line)
+        last = unreadable(error, text, file, composer.line)
         told = {own.where for own in composer.mistakes}  # as of a character that makes a line unreadable, too
         raise SpecError([*composer.mistakes, *([] if last.where in told else [last])]) from error
     if composer.mistakes:
@@ -158,26 +141,6 @@ def in_words(value: Any) -> str:
 def dotted(path: Path) -> str:
     """A path as the user writes it: mesh.0.segments."""
     return ".".join(map(brief, path))
-
-
-def _explain(error: yaml.YAMLError, text: str, file: str, line_before: int) -> Mistake:
-    problem = " ".join(str(getattr(error, "problem", None) or error).split())
-    mark, lines = getattr(error, "problem_mark", None), text.splitlines()
-    if mark is not None and mark.line >= len(lines):
-        # what is missing at the end of the file belongs to what was opened before it
-        mark = getattr(error, "context_mark", None) or mark
-    if mark is None:
-        what = f"this is not YAML ({problem})"
-        return Mistake(f"{file}:{line_before}", what, "look at this line and the one after it")
-    if "maximum nesting depth" in problem:  # libyaml 0.2.6 reads ahead, and stops itself at some 1000 levels
-        return Mistake(f"{file}:{mark.line + 1}", *_TOO_DEEP)
-    if slip := next(slips_of(problem, mark, lines), None):
-        number, what, remedy = slip
-        return Mistake(f"{file}:{number + 1}", f"this is not YAML ({what})", remedy)
-    remedy = next((r for phrase, r in _REMEDIES if phrase in problem), "look at this line and the one above it")
-    start = getattr(error, "context_mark", None) or mark
-    inside = f" in what starts on line {start.line + 1}" if start.line < mark.line and "," in problem else ""
-    return Mistake(f"{file}:{mark.line + 1}", f"this is not YAML ({problem}{inside})", remedy)
 
 
 def _line(event: yaml.Event) -> int:
@@ -290,7 +253,7 @@ class _Composer:
         self.line = _line(event)
         self.check_size(event)
         if len(path) > MAX_LEVELS:
-            self.stop(event, *_TOO_DEEP)
+            self.stop(event, *TOO_DEEP)
         tag = getattr(event, "tag", None)
         if tag is not None:
             what = f"the tag {brief(tag)} is not allowed"

@@ -11,7 +11,8 @@ import yaml
 
 from ..errors import Mistake, SpecError
 from ..text import did_you_mean, printable, unprintable
-from .document import MAX_LEVELS, TAKEN, Document, Path, dotted, in_words, value_of
+from .document import TAKEN, Document, Path, dotted, in_words, value_of
+from .unreadable import MAX_LEVELS
 
 # A new name in these would almost always be a misspelt one, and do nothing.
 _NAMED = frozenset(
@@ -207,8 +208,9 @@ def _keys(node: Any, step: str, path: Path, where: str) -> list[str | int]:
 def _check_declared(found: list[tuple[Path, Any]], step: str, where: str) -> None:
     """Refuse a new name in a section of names."""
     for path, node in found:
-        if len(path) == 1 and path[0] in _NAMED and step not in (node or {}) and step != "*":
-            remedy = did_you_mean(step, node or (), "declare it in the file first")
+        names = node if isinstance(node, dict) else {}  # what else stands there is a mistake of the file
+        if len(path) == 1 and path[0] in _NAMED and step not in names and step != "*":
+            remedy = did_you_mean(step, names, "declare it in the file first")
             raise SpecError(Mistake(where, f"{path[0]} has no {step}", remedy))
 
 

@@ -1,15 +1,17 @@
 """What has to hold where one phase goes on in another: the links, and H where the time of the passage is free.
 
 The time of a passage that nothing fixes and nothing pays for is optimal only if H is the same on both sides of it
-(Bryson and Ho 1975, section 3.7; the jump of H is the multiplier of what the time is otherwise bound by).
+(Bryson and Ho 1975, section 3.7; the jump of H is the multiplier of what the time is otherwise bound by). Where phases
+branch there, or meet, it is the sum over those that end and over those that begin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from ...problems.lean.records import dataclass
 from ...problems.phases.links import DURATION
 from ...problems.probe import names_asked
 from ...problems.problem import Phase
@@ -42,52 +44,76 @@ def links(result: Reloaded, limit: float) -> Iterator[Check]:
 
 
 def junctions(result: Reloaded, claimed: float, tolerance: float) -> Iterator[Check]:
-    """The jump of H at every passage whose time is free, relative to the largest term of H.
+    """The jump of H at every time between phases that is free, relative to the largest term of H.
 
     result: read back, with costates.
     claimed: how far the objective may be from the optimum: what a jump is worth less over a phase is nothing.
     tolerance: the largest value that passes.
     """
     numbers = {phase.name: i for i, phase in enumerate(result.problem.phases)}
-    for source, target in _free_passages(result):
-        sides = [Hamiltonian(result, numbers[name]) for name in (source, target)]
-        (before, after), values = sides, [side.values() for side in sides]
-        jump = float(before.hamiltonian(values[0])[-1] - after.hamiltonian(values[1])[0])
-        scale = max(side.scale(own) for side, own in zip(sides, values, strict=True)) or 1.0
-        shortest = min(float(np.ptp(side.trajectory.t)) for side in sides)
+    for event in _free_events(result):
+        sides = {name: Hamiltonian(result, numbers[name]) for name in (*event.ending, *event.beginning)}
+        values = {name: side.values() for name, side in sides.items()}
+        before = [sides[name].hamiltonian(values[name])[-1] for name in event.ending]
+        after = [sides[name].hamiltonian(values[name])[0] for name in event.beginning]
+        jump = float(sum(before) - sum(after))
+        scale = max(side.scale(values[name]) for name, side in sides.items()) or 1.0
+        shortest = min(float(np.ptp(side.trajectory.t)) for side in sides.values())
         if not shortest:  # a phase that takes no time: H has no meaning in it
             continue
         value = max(abs(jump) - claimed / shortest, 0.0) / scale
-        yield Check(
-            f"H goes on from {source} to {target}, relative",
-            value,
-            tolerance,
-            at(before.trajectory, before.trajectory.t[1]),
-        )
+        trajectory = sides[event.ending[0]].trajectory
+        yield Check(f"H goes on from {event.told}, relative", value, tolerance, at(trajectory, trajectory.t[1]))
 
 
-def _free_passages(result: Reloaded) -> Iterator[tuple[str, str]]:
-    """(phase, the one after it) where the time between them is free, and nothing but their dynamics depends on it."""
+@dataclass(frozen=True)
+class _Event:
+    """One time that phases share: those that end there, and those that begin."""
+
+    ending: tuple[str, ...]
+    beginning: tuple[str, ...]
+
+    @property
+    def told(self) -> str:
+        return f"{' and '.join(self.ending)} to {' and '.join(self.beginning)}"
+
+
+def _free_events(result: Reloaded) -> Iterator[_Event]:
+    """The times between phases that are free, where nothing but the dynamics depends on them."""
     problem = result.problem
     trajectories = {t.phase.name: t for t in result.trajectories}
     asked = [names_asked(link.function) for link in problem.links]
     others = set().union(*(own for own in asked if not _is_time(own)))
     others |= names_asked(problem.mayer) if problem.mayer else set()
-    for own in filter(_is_time, asked):
+    for event in _events(filter(_is_time, asked)):
+        ends = [(trajectories[name], "final") for name in event.ending]
+        ends += [(trajectories[name], "initial") for name in event.beginning]
+        if any(own.costate is None or f"{own.phase.name}.t[{end}]" in others for own, end in ends):
+            continue
+        near = NEAR * sum(float(np.ptp(own.t)) for own, _ in ends)
+        inside = all(
+            _inside(own.phase.final_time, float(own.t[1]), near)
+            if end == "final"
+            else _inside(own.phase.initial_time, float(own.t[0]), near)
+            for own, end in ends
+        )
+        named = {name for own, _ in ends for name in _asked_at_ends(own.phase)}
+        lasting = min(float(np.ptp(own.t)) for own, _ in ends) > near
+        if inside and lasting and not named & {"t[initial]", "t[final]"}:
+            yield event
+
+
+def _events(links: Iterable[set[str]]) -> list[_Event]:
+    """The times that links of time tie together: where a phase has several successors, H is the sum of theirs."""
+    events: list[_Event] = []
+    for own in links:
         source = next(name.removesuffix(".t[final]") for name in own if name.endswith("[final]"))
         target = next(name.removesuffix(".t[initial]") for name in own if name.endswith("[initial]"))
-        before, after = trajectories[source], trajectories[target]
-        if before.costate is None or after.costate is None or own & others:
-            continue
-        near = NEAR * float(np.ptp(before.t) + np.ptp(after.t))
-        inside = all(
-            _inside(bounds, float(t), near)
-            for bounds, t in ((before.phase.final_time, before.t[1]), (after.phase.initial_time, after.t[0]))
-        )
-        named = {name for phase in (before.phase, after.phase) for name in _asked_at_ends(phase)}
-        lasting = min(float(np.ptp(before.t)), float(np.ptp(after.t))) > near
-        if inside and lasting and not named & {"t[initial]", "t[final]"}:
-            yield source, target
+        shared = [event for event in events if source in event.ending or target in event.beginning]
+        ending = dict.fromkeys([name for event in shared for name in event.ending] + [source])
+        beginning = dict.fromkeys([name for event in shared for name in event.beginning] + [target])
+        events = [event for event in events if event not in shared] + [_Event((*ending,), (*beginning,))]
+    return events
 
 
 def _is_time(asked: set[str]) -> bool:

@@ -202,8 +202,12 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
 
     On a segment in which a control jumps, its polynomial overshoots by a share of the jump, however short the segment
     is: there the excess counts times the jump's share of the phase (see `jumps`), and is told. So is that of a control
-    which might as well be held within its bounds: it counts by what that would do (see `_held_within`).
+    which might as well be held within its bounds: it counts by what that would do (see `_held_within`). An exact phase
+    has nothing between its points, so these are looked at.
     """
+    if trajectory.phase.exact:
+        yield from _at_points(trajectory, tolerance)
+        return
     weights, t, held_within = control_shares(trajectory)[:, None], trajectory.dense.t, cache(_held_within)
     for excess in excesses(trajectory):
         by_segment = np.nan_to_num(trajectory.by_segment(excess.values), nan=np.inf)
@@ -218,6 +222,15 @@ def between_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
             if effect <= tolerance:
                 where, value = f"{value:.1e} {where}; held within its bounds it would move {on} by that", effect
         yield Check(f"{excess.name} between the points", value, tolerance, where)
+
+
+def _at_points(trajectory: Trajectory, tolerance: float) -> Iterator[Check]:
+    t = np.atleast_1d(trajectory.at_collocated["t"])
+    for excess in excesses(trajectory):
+        values = np.nan_to_num(excess.values, nan=np.inf)
+        k = int(np.argmax(values))
+        where = at(trajectory, t[k]) if values[k] > 0 else ""
+        yield Check(f"{excess.name} at the points", float(values[k]), tolerance, where)
 
 
 def _held_within(trajectory: Trajectory) -> tuple[float, str]:

@@ -49,6 +49,8 @@ def _curves(where: str) -> dict[str, Array | Group | Each]:
     }
 
 
+PRICES = Each(Array(NUMBER), optional=True)  # older results have none
+
 _MEASUREMENT, _ESTIMATE = Size("measurements"), Size("estimates")
 
 MEASURED = Group(
@@ -119,7 +121,7 @@ PHASE = Group({
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),
-    "price": Each(Array(NUMBER), optional=True),  # older results have none
+    "price": PRICES,
     "arcs": ARCS,
     "complementarity": Each(
         Group({"product": Array(NUMBER), "time": Array(NUMBER), "allowed": Array(NUMBER, finite=True)}),
@@ -215,6 +217,7 @@ RESULT = Group(
         "phase": Each(PHASE, names="phases", least=1, own=True),
         "mesh": Each(MESH, numbered=True, least=1, own=True),
         "solver": SOLVER,
+        "price": PRICES,
         "estimates": ESTIMATES,
         "sensitivity": SENSITIVITY,
     },

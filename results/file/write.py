@@ -25,6 +25,7 @@
         complementarity/<name>/  product, the largest a*b of a pair at the points, its time, and allowed
         measured/<set>.<column>/   measurement, and over it time, value, deviation, model (the solution there);
                                with expression, that of the model
+    /price/<name>              the same of conditions on the ends of several phases, links and boundary constraints
     /estimates/                where something was measured: parameter and other (names), value, standard_error,
                                correlation; with residuals (the sum of weighted squares), measurements and free (their
                                number, and that of unknowns), scale (of the deviations), given (whether these were),
@@ -69,10 +70,10 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
-from ...problems.files import check_not_protected, check_writable, replacing
+from ...problems.files import check_not_protected, check_writable, write_whole
 from ...problems.lean.versions import version
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
-from .door import FORMAT, FORMAT_VERSION, head_of
+from .door import FORMAT, FORMAT_VERSION, head_of_file
 from .write_measured import write_estimates, write_measured, write_sensitivities
 from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
 
@@ -95,7 +96,7 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
     check_writable(path)
     if not force:
         check_not_protected(path)
-    if path.exists() and not force and (owner := head_of(path).get("problem")) != problem:
+    if path.exists() and not force and (owner := head_of_file(path).get("problem")) != problem:
         what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
         raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
 
@@ -110,11 +111,13 @@ def place_for(path: Path, problem: str, solved: bool) -> Path:
     Only a solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
     if something else is there, to NAME-unsolved-2.h5 and so on.
     """
-    if solved or not head_of(path).get("solved"):
+    if solved or not head_of_file(path).get("solved"):
         return path
     names = (path.with_stem(f"{path.stem}-unsolved" + (f"-{n}" if n > 1 else "")) for n in count(1))
     return next(
-        beside for beside in names if not beside.exists() or head_of(beside) == {"problem": problem, "solved": False}
+        beside
+        for beside in names
+        if not beside.exists() or head_of_file(beside) == {"problem": problem, "solved": False}
     )
 
 
@@ -133,13 +136,7 @@ def write(
 
     Raises FileError.
     """
-    write_image(path, image_of(solution, spec_text, spec_full, command, overrides))
-
-
-def write_image(path: Path, image: bytes) -> None:
-    """Write what `image_of` gave. Raises FileError."""
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
+    write_whole(path, image_of(solution, spec_text, spec_full, command, overrides))
 
 
 def image_of(
@@ -183,6 +180,8 @@ def image_of(
             write_exactness(group_of(group, "complementarity"), trajectory)
             if trajectory.phase.measured:
                 write_measured(group_of(group, "measured"), trajectory)
+        if solution.prices_between:
+            write_prices(group_of(file, "price"), solution.prices_between)
         if solution.estimates:
             write_estimates(group_of(file, "estimates"), solution.problem, solution.estimates)
         meshes = group_of(file, "mesh")

@@ -72,9 +72,9 @@ def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, f
 
 
 def write_prices(group: h5py.Group, prices: Mapping[str, float]) -> None:
-    """Write what the constraints of a phase that hold once are worth.
+    """Write what constraints that hold once are worth, of one phase or between phases.
 
-    group: of the prices of one phase, empty.
+    group: of these prices, empty.
     prices: name -> dJ/d(bound), in objective per unit of the constraint.
     """
     for name, value in prices.items():

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 
 from ...problems.catalog import shipped
-from .rows import Row, row_from
+from .rows import SHORT, Row, row_from
 from .table import MADE_BY
 
 FILE = "baseline.json"
@@ -43,12 +43,16 @@ def baseline_text(rows: Sequence[Row]) -> str:
     return f'{{"made_by": "{MADE_BY}", "problems": [\n{lines}\n]}}\n'
 
 
-def regressions(old: Mapping[str, Row], rows: Sequence[Row]) -> list[str]:
+def regressions(old: Mapping[str, Row], rows: Sequence[Row], *, finer: bool = True) -> list[str]:
     """What is worse than it was, one sentence each, with the name and both values.
 
-    A problem without an earlier row has none, and checks of `verify` count where both rows have some.
+    old: name of a problem -> its earlier row; a problem without one has nothing to be worse than.
+    rows: of now. Checks of `verify` count where both rows have some.
+    finer: whether solves for more digits were made for these, so that a digit that they lost counts.
     """
-    return [f"{row.name}: {what}" for row in rows if row.name in old for what in _worse(old[row.name], row)]
+    looks = (_worse, _digits_lost) if finer else (_worse,)
+    known = [(old[row.name], row) for row in rows if row.name in old]
+    return [f"{row.name}: {what}" for before, row in known for look in looks for what in look(before, row)]
 
 
 def _worse(old: Row, new: Row) -> Iterator[str]:
@@ -71,6 +75,13 @@ def _worse(old: Row, new: Row) -> Iterator[str]:
         yield f"{old.iterations} iterations before, {new.iterations} now"
     if old.checks and (failed := [name for name in new.failed if name not in old.failed]):
         yield f"{len(old.failed)} checks of verify failed before, {len(new.failed)} now: {'; '.join(failed)}"
+
+
+def _digits_lost(old: Row, new: Row) -> Iterator[str]:
+    if new.solved and new.standing == SHORT and old.standing not in ("", SHORT):
+        before = f" ({old.finer.told})" if old.finer else ""
+        now = f"the finer solve: {new.finer.told}" if new.finer else "no finer solve is better"
+        yield f"all published digits were told before{before}, not now ({now})"
 
 
 def _width(row: Row) -> float:

@@ -31,7 +31,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
     for phase in phases:
         left.plot(phase.dense_time, np.abs(phase.epsilon[state].dense), color=BLUE, linewidth=1.0, label="epsilon")
         draw_mesh_marks(left, phase.knots)
-    left.set_title(labelled(f"|ε| of {state}", phases[0].epsilon[state].unit), loc="left")
+    set_title(left, labelled(f"|ε| of {state}", phases[0].epsilon[state].unit), raised=len(phases) > 1)
     _logarithmic(left, np.concatenate([np.abs(phase.epsilon[state].dense) for phase in phases]))
     set_times(left, phases)
     eta = np.concatenate([phase.eta[state] for phase in phases])

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from ..file.read import Result
 from .error_plots import draw_no_bar
 from .plots import finish, set_times
-from .style import BLUE, GREY, LETTER, VERMILION, Frame, Numbers, look
+from .style import BLUE, GREY, LETTER, VERMILION, Frame, Numbers, look, set_title
 
 
 def draw_meshes(ax: Axes, result: Result) -> None:
@@ -31,7 +31,7 @@ def draw_meshes(ax: Axes, result: Result) -> None:
     ax.set_yticks(range(1, len(names) + 1, step), names[::step])
     ax.set_ylim(len(names) + 0.6, 0.4)
     ax.grid(False)
-    ax.set_title("segment edges of each mesh", loc="left")
+    set_title(ax, "segment edges of each mesh", raised=len(result.phases) > 1)
     set_times(ax, result.phases)
 
 

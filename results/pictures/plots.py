@@ -31,7 +31,7 @@ from .style import (
     labelled,
     legend,
     look,
-    plain,
+    plain_label,
     set_title,
     width_of,
 )
@@ -58,6 +58,7 @@ def draw_curve(
     broken: as `broken_bounds` of `audit.broken` gives them.
     """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
+    points = 72 * width_of(ax) / sum(len(phase.time) for phase in phases)
     for phase in phases:
         curve = phase.curves[kind][name]
         colour = KIND_COLOURS[kind]
@@ -65,7 +66,7 @@ def draw_curve(
             ax.step(phase.time, curve.points, where="post", color=colour, label=kind, zorder=2)
         else:
             ax.plot(phase.dense_time, curve.dense, color=colour, label=kind, zorder=2)
-        _draw_points(ax, phase, curve, colour)
+        _draw_points(ax, phase, curve, colour, points)
         if kind != "costate":
             _draw_measured(ax, phase, name)
         draw_mesh_marks(ax, phase.knots)
@@ -73,7 +74,7 @@ def draw_curve(
     frame(ax, [phase.curves[kind][name] for phase in phases])
     width = width_of(ax)
     told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
-    set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told)
+    set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told, raised=len(phases) > 1)
     ax.yaxis.set_major_formatter(Numbers())
     set_times(ax, phases)
 
@@ -92,8 +93,8 @@ def label_of(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
     return f"costate of {name}", f"objective/{compound}" if unit not in ("", "1") else "objective"
 
 
-def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str) -> None:
-    points = 72 * width_of(ax) / len(phase.time)  # between markers; 72 to an inch
+def _draw_points(ax: Axes, phase: PhaseCurves, curve: Curve, colour: str, points: float) -> None:
+    """The points of the mesh; points: between their markers, 72 to an inch, on average over all phases."""
     if points < TOO_NEAR:
         return
     size = float(np.clip(0.6 * points, 1.2, 3.5))
@@ -148,7 +149,7 @@ def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> No
         if 2 * half <= last - first + NEAR * duration and free:
             rows[free[0]] = (first + last) / 2 + half
             style: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 5.5, "color": GREY}
-            ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain(phase.name), transform=across, **style)
+            ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain_label(phase.name), transform=across, **style)
 
 
 def trajectory_figure(
@@ -249,12 +250,12 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     status = result.verdict if result.solved else f"NOT SOLVED: {result.message}"
     letters, exact = int(figure.get_figwidth() / (1.15 * LETTER)), all(phase.discrete for phase in result.phases)
     lines = [
-        plain(f"{result.problem}: {status}", letters),
-        plain(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
-        plain(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
+        plain_label(f"{result.problem}: {status}", letters),
+        plain_label(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
+        plain_label(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
     ]
     if result.static:  # no time, no mesh
-        lines[1:] = [plain(f"objective {result.objective:.8g}", letters), ""]
+        lines[1:] = [plain_label(f"objective {result.objective:.8g}", letters), ""]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(filter(None, lines[1:]))]
     head(figure, [*lines, *notes], BLACK if result.verdict == "solved" else VERMILION)

@@ -19,9 +19,10 @@ from time import perf_counter
 import numpy as np
 
 from ...problems.errors import SpecError
+from ...problems.files import write_whole
 from ...problems.lean.records import dataclass
 from ...problems.nonsmooth.written import with_slack
-from ...problems.phases.split import Part, has_slack, why_not
+from ...problems.phases.split import PhasePart, has_slack, why_not
 from ...problems.phases.split_each import split
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
@@ -30,7 +31,7 @@ from ...transcription.loading import build_checked, load_yaml
 from ...transcription.refinement.goal import Goal
 from ...transcription.solution.solution import Solution
 from ..file.guess import adapted
-from ..file.write import image_of, write_image
+from ..file.write import image_of
 from ..verify import verify
 from .parts import merged, parts_of
 from .signs import worth_of_leaving
@@ -38,6 +39,10 @@ from .signs import worth_of_leaving
 MOST_PARTS = 16
 TOLERANCE, REFINED = 1e-10, 1e-9
 """Of the engine, and of the refined meshes."""
+
+MOST_ITERATIONS = 500
+"""On each mesh in phases, which starts from a solution: one that takes more has lost it. Of the shipped problems none
+that becomes better takes more than 300."""
 
 S = np.linspace(0, 1, 101)
 """Normalised times of a phase: of the part of the first solution from which it starts, and of bounds that it keeps."""
@@ -47,7 +52,7 @@ COLLAPSED = 1e-6  # of the duration: a phase that is shorter is none
 ROUNDS = 3  # of leaving such phases out
 ROUNDING = 1e-9  # of 1 + |objective|: what is worth less, is nothing
 
-Parts = Sequence[Sequence[Part]]
+Parts = Sequence[Sequence[PhasePart]]
 """Those of each phase, in order."""
 
 Progress = Callable[[int, dict], None] | None
@@ -133,7 +138,7 @@ def _in_phases(first: Polished, parts: Parts, progress: Progress, stop: Stop) ->
     return "its arcs shrink to nothing"
 
 
-def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[Part]]:
+def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[PhasePart]]:
     """The parts of each phase that have not shrunk to nothing; of several the last one, if all have."""
     found, trajectories = [], iter(new.solution.trajectories)
     for whole, own in zip(first.solution.trajectories, parts, strict=True):
@@ -144,7 +149,7 @@ def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[Part]]:
     return found
 
 
-def _pieces(solution: Solution, parts: Parts) -> Iterator[tuple[int, Part, float, float]]:
+def _pieces(solution: Solution, parts: Parts) -> Iterator[tuple[int, PhasePart, float, float]]:
     """The number of the phase, the part, and from when to when it is in a solution, of all parts in order."""
     for number, (whole, own) in enumerate(zip(solution.trajectories, parts, strict=True)):
         starts = [whole.initial_time, *(part.end for part in own)]
@@ -180,7 +185,7 @@ def _solved(first: Polished, parts: Parts, progress: Progress, stop: Stop) -> Po
 def _in_parts(first: Polished, spec: Spec, parts: Parts) -> Spec:
     """The file in phases. Raises SpecError."""
     named = {phase.name: own for phase, own in zip(first.solution.problem.phases, parts, strict=True)}
-    return load_yaml(split(spec, named, TOLERANCE, REFINED), file=spec.file)
+    return load_yaml(split(spec, named, TOLERANCE, REFINED, MOST_ITERATIONS), file=spec.file)
 
 
 def _of_mesh(first: Polished, objective: float) -> bool:
@@ -233,5 +238,5 @@ def _failed(found: Polished) -> set[str]:
     solution, spec = found.solution, found.spec
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "result.h5"
-        write_image(path, image_of(solution, spec.text, spec.model_dump_json(), "", spec.overrides))
+        write_whole(path, image_of(solution, spec.text, spec.model_dump_json(), "", spec.overrides))
         return {check.name.rpartition(": ")[2] for check in verify(path, anew=False) if not check.passed}

@@ -15,10 +15,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ...problems.files import check_ours, check_suffix, replacing
+from ...problems.files import check_ours, check_suffix
 from ...problems.lean.versions import version
 from ...problems.text import escaped
-from ..file.summary import plain
+from ..file.json_values import for_json
 
 HERE = Path(__file__).parent
 MARK = "trajopt report"
@@ -75,12 +75,6 @@ def check_page(path: Path, force: bool = False) -> None:
     check_ours(path, force, _ours, f"is no page of '{MARK}'")
 
 
-def write_page(path: Path, text: str) -> None:
-    """Write the page whole, or leave what was there. Raises FileError."""
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-
-
 def _ours(path: Path) -> bool:
     with path.open("rb") as stream:
         return f'content="{MARK}"'.encode() in stream.read(_MARKED)
@@ -100,7 +94,7 @@ def _templates() -> Any:
         return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
     def data(value: Any) -> Markup:
-        return Markup(json.dumps(_seen(plain(value)), separators=(",", ":"), allow_nan=False).translate(_IN_SCRIPT))
+        return Markup(json.dumps(_seen(for_json(value)), separators=(",", ":"), allow_nan=False).translate(_IN_SCRIPT))
 
     environment = Environment(
         autoescape=True,

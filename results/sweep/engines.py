@@ -5,6 +5,7 @@ An engine takes tasks and gives futures of `concurrent.futures`; how many it can
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import time
@@ -118,6 +119,8 @@ class ClusterEngine:
         except (OSError, ValueError, TypeError) as error:
             what = "no scheduler of Dask answers there"
             raise SpecError(Mistake(f"--scheduler {address}", what, "start one: dask scheduler")) from error
+        # it warns of each answer that is lost with a worker, and has it computed anew: nothing a user has to do
+        logging.getLogger("distributed.client").setLevel(logging.ERROR)
         self.capacity = max(sum(self.client.nthreads().values()), 1)
         self.executor: Executor = self.client.get_executor(pure=False, retries=1)
 

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import check_writable, replacing
+from ...problems.files import PREFIX, check_writable, write_whole
 from .case import Answer, Curves, Left, is_record
 from .locks import Lock, locked
 from .plan import Plan
@@ -74,7 +74,7 @@ class Store:
             self._tidy()
         for name in (CASES, RESULTS):
             (self.folder / name).mkdir(exist_ok=True)
-        self.records = self._read()
+        self.records = records_in(self.folder, self.plan)
         self._append()
 
     def _make(self, resume: bool) -> None:
@@ -110,8 +110,7 @@ class Store:
         """Write what is swept, or compare it with what is there."""
         path = self.folder / ABOUT
         if not path.exists():
-            with replacing(path) as temporary:
-                temporary.write_text(json.dumps(about, indent=1), encoding="utf-8")
+            write_whole(path, json.dumps(about, indent=1))
             return
         remedy = "choose another folder with -o, or start anew with --force"
         known = stored_about(self.folder, remedy)
@@ -122,7 +121,7 @@ class Store:
 
     def _clear(self) -> None:
         """Remove what a sweep has made, and nothing else."""
-        for folder, pattern in ((CASES, "*.npz"), (RESULTS, "*.h5"), ("", "index*.jsonl"), ("", "index*.lock")):
+        for folder, pattern in ((CASES, "*.npz"), (RESULTS, "*.h5"), ("", "index*.jsonl")):
             for path in (self.folder / folder).glob(pattern):
                 path.unlink()
         for name in (TABLE, ARRAYS, ABOUT):
@@ -130,18 +129,14 @@ class Store:
 
     def _tidy(self) -> None:
         """Remove half-written files of a process that was killed."""
-        for folder, pattern in ((CASES, ".*.npz"), (RESULTS, ".*.h5"), ("", ".index.*"), ("", ".sweep.*")):
-            for path in (self.folder / folder).glob(pattern):
-                if path.suffix != ".lock":
-                    path.unlink()
-
-    def _read(self) -> dict[int, dict[str, Any]]:
-        return records_in(self.folder, self.plan)
+        for folder in (CASES, RESULTS, ""):
+            for path in (self.folder / folder).glob(f"{PREFIX}*"):
+                path.unlink()
 
     def refreshed(self) -> dict[int, dict[str, Any]]:
         """The records with those that the other shards have finished by now."""
         if self.shared:
-            self.records = {**self._read(), **self.records}
+            self.records = {**records_in(self.folder, self.plan), **self.records}
         return dict(sorted(self.records.items()))
 
     def alone(self) -> AbstractContextManager[None]:
@@ -161,21 +156,19 @@ class Store:
     def finished(self, number: int, full: bool) -> bool:
         """Whether a case is solved, and all is there that should be kept of it."""
         record = self.records.get(number)
-        return bool(record and record["solved"]) and not (full and not self.result(record).exists())
+        return record is not None and record["solved"] and (not full or self.result(record).exists())
 
-    def result(self, record: Mapping[str, Any] | None) -> Path:
+    def result(self, record: Mapping[str, Any]) -> Path:
         """The place of the full result of a case."""
-        return self.folder / RESULTS / f"{record['key'] if record else ''}.h5"
+        return self.folder / RESULTS / f"{record['key']}.h5"
 
     def keep(self, answer: Answer) -> None:
         """Write all that is kept of a case. Raises FileError."""
         record = answer.record
         if record["key"]:
             if answer.image:
-                with replacing(self.result(record)) as temporary:
-                    temporary.write_bytes(answer.image)
-            with replacing(self.folder / CASES / f"{record['key']}.npz") as temporary:
-                temporary.write_bytes(packed(record, answer.left))
+                write_whole(self.result(record), answer.image)
+            write_whole(self.folder / CASES / f"{record['key']}.npz", packed(record, answer.left))
         line = json.dumps(record, allow_nan=False).encode() + b"\n"
         with self._told(self.index):
             append(self.stream, line)
@@ -242,7 +235,7 @@ def records_in(folder: Path, plan: Plan) -> dict[int, dict[str, Any]]:
             record = _json(line)
             if _belongs(record, plan) and not (records.get(record["case"], {}).get("solved") and not record["solved"]):
                 records[record["case"]] = record
-    lost = [number for number, r in records.items() if r["solved"] and _small(folder, r["key"]) is None]
+    lost = {number for number, r in records.items() if r["solved"] and _small(folder, r["key"]) is None}
     records = {number: record for number, record in records.items() if number not in lost}
     known = {record["key"] for record in records.values()}
     for path in (folder / CASES).glob("[!.]*.npz"):

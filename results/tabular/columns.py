@@ -31,7 +31,7 @@ class Column(NamedTuple):
     values: np.ndarray
 
 
-def table_of(paths: Sequence[Path], times: str | float) -> dict[str, Column]:
+def stacked_table(paths: Sequence[Path], times: str | float) -> dict[str, Column]:
     """The curves of results, stacked: name -> column.
 
     paths: of results; of several, the first column tells the file.
@@ -109,10 +109,9 @@ def _even(file: str, trajectory: Trajectory, step: float) -> _Block:
     t = np.append(t, last) if last - t[-1] > near else np.append(t[:-1], last)
     s = (t - first) / (last - first) if last > first else np.zeros_like(t)
     sample = trajectory.at(np.clip(s, 0.0, 1.0))
-    inputs = (*phase.controls, *phase.algebraic)
     curves = {
         variable.name: Column(variable.unit, values)
-        for variable, values in zip((*phase.states, *inputs), (*sample.x, *sample.u), strict=True)
+        for variable, values in zip((*phase.states, *phase.inputs), (*sample.x, *sample.u), strict=True)
     }
     values = phase.arguments(t, sample.x, sample.u, trajectory.parameters)
     for _, name, curve, unit in functions_over(phase, values, t.shape):

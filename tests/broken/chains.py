@@ -145,6 +145,14 @@ CHAINS = [
     ),
     chain("an inertia without a centre", "com: 0.5, ", "", "model.links.0.inertia", "add com:"),
     chain(
+        "beside it, names of what slides, of a motor after a fixed link and of a constant are known",
+        "com: 0.5, inertia: 0}",
+        "inertia: 0}\n    - {name: plate, mass: 1, length: 1, joint: fixed}\n"
+        "    - {name: arm, mass: 1, length: 1, joint: prismatic, motor: true, torque: -0.1*u2 - 0*arm_mass*dq2}",
+        "model.links.0.inertia",
+        "add com:",
+    ),
+    chain(
         "a misspelt kind", "kind: chain", "kind: chian", "model.kind", 'there is no model "chian"; did you mean chain?'
     ),
     chain("no kind", "  kind: chain\n", "", "model.kind", "kind is missing", line=5),

@@ -49,6 +49,14 @@ TIMELESS = [
     static(
         "static: refined", "trajopt: 1", "trajopt: 1\nrefine: {}", "refine", "nothing in it is approximated", line=2
     ),
+    static(
+        "static: measurements",
+        "trajopt: 1",
+        "trajopt: 1\nmeasurements: {m: {data: {time: [0, 1], y: [1, 2]}}}",
+        "measurements.m",
+        "no time at which anything is measured",
+        line=2,
+    ),
     discrete(
         "discrete: another kind of state", "next: v + u", "rate: u", "states.v", "time is discrete, as other states"
     ),

@@ -43,6 +43,20 @@ def final(name: str, given: str, place: str, says: str):
 
 
 VECTORS = [
+    edit(
+        "a range as a text",
+        '+ e[2]", initial: 0',
+        '+ e[2]", initial: "[0, m]"',
+        "states.x.initial",
+        "a range is no list; write initial: {lower: 0, upper: m}",
+    ),
+    edit(
+        "a range of numbers as a text",
+        '+ e[2]", initial: 0',
+        '+ e[2]", final: "[-1, 1]"',
+        "states.x.final",
+        "a range is no list; write final: {lower: -1, upper: 1}",
+    ),
     rate("vectors of two lengths", "F + e", '"F + e": a vector of 3 and a vector of 2 do not go together'),
     rate("a cross product in the plane", "cross(e, e)", "cross takes a vector of 3, and e is a vector of 2; write "),
     rate("a component beyond the last", "F*v[4]", '"v[4]": v has the components v[1] to v[3]'),

@@ -145,3 +145,16 @@ def test_options_of_the_engine_are_told_with_the_other_mistakes(folder):
     told = trajopt("check", "o.yaml").stderr
     for place in ("states.x.lowr", "solver.max_itr", "solver.hsllib", "solver.tol", "solver.print_level"):
         assert f"{place}:" in told
+
+
+def test_init_takes_the_whole_name_away():
+    Path("long.yaml").write_text("trajopt: 1\nname: a long name\n  that goes on\n\n  and on\ntime: {initial: 0}\n")
+    assert trajopt("init", "short", "--from", "long.yaml").exit_code == 0
+    assert Path("short.yaml").read_text() == "trajopt: 1\nname: short\ntime: {initial: 0}\n"
+
+
+def test_init_from_what_is_no_text():
+    Path("bytes.yaml").write_bytes(b"name: \xff\xfe")
+    result = trajopt("init", "new", "--from", "bytes.yaml")
+    assert result.exit_code == 2
+    assert result.stderr == "error: bytes.yaml:1: this is not UTF-8 text; save the file as UTF-8\n"

@@ -35,6 +35,23 @@ def test_a_cut_corner_is_told_in_its_unit_and_as_a_share(folder):
     assert f"{100 * overshoot['share']:.2g} % of its range" in line
 
 
+OFF = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {m: {rate: -a*T, initial: 1}}
+controls: {T: {lower: 0, upper: 0.14}}
+parameters: {a: 1}
+objective: {maximize: {terminal: "m[final]"}}
+"""
+
+
+@pytest.mark.parametrize("override", ["parameters.a=1", "parameters.a=-1", "controls.T.upper=1e5"])
+def test_what_the_engine_moves_a_bound_by_is_no_excess_though_the_control_spans_less(folder, override):
+    (folder / "off.yaml").write_text(OFF)
+    run = trajopt("solve", "off.yaml", "--set", override)
+    assert "bounds      held between the points" in run.stdout.splitlines()
+
+
 @pytest.mark.parametrize(
     ("name", "words"), [("shot_put", "none to hold"), ("bryson_denham", "held between the points")]
 )

@@ -162,3 +162,12 @@ def test_a_folder_is_made(swing, folder, where):
     done = trajopt("table", swing, "-o", where)
     assert (done.exit_code, done.stdout) == (0, f"{where}{swing.stem}.csv\n")
     assert (folder / where / f"{swing.stem}.csv").exists()
+
+
+def test_an_even_grid_has_states_at_earlier_times(folder):
+    solved_once(folder / "delayed.h5", "delayed_regulator")
+    columns = rows_of(trajopt("table", folder / "delayed.h5", "--every", "0.5", "-o", "-").stdout)
+    whole = rows_of(trajopt("table", folder / "delayed.h5", "--dense", "-o", "-").stdout)
+    for name in ("x", "u"):
+        dense = np.interp(np.array(columns["time"], float), *(np.array(whole[n], float) for n in ("time", name)))
+        assert np.allclose(np.array(columns[name], float), dense, atol=1e-3)

@@ -145,3 +145,27 @@ def test_a_mesh_of_many_steps_is_never_a_coarser_one():
     solution = solved(REGULATOR, f"parameters.N={N}", "parameters.a=0.999")
     assert [record.segments for record in solution.meshes] == [N]
     assert solution.objective == pytest.approx(riccati(N, 0.999)[0], abs=1e-8)
+
+
+def test_bounds_hold_at_the_steps_and_a_phase_beside_is_refined(folder):
+    """Between steps there is nothing that a path constraint could be exceeded by."""
+    (folder / "mixed.yaml").write_text("""
+trajopt: 1
+name: mixed
+phases:
+  steps:
+    time: {initial: 0, final: 4}
+    states: {x: {next: x + u, initial: 0}}
+    controls: {u: {lower: -1, upper: 1}}
+    constraints: {path: [{name: p, expression: x + 0.5*t, upper: 3}]}
+    objective: {minimize: {integral: -x}}
+  flows:
+    time: {initial: 4, final: 6}
+    states: {x: {rate: u - x**3, final: 2}}
+    controls: {u: {}}
+    objective: {minimize: {integral: u**2}}
+refine: {tolerance: 1.0e-8}
+""")
+    run = trajopt("solve", "mixed.yaml")
+    assert run.exit_code == 0 and "exceeded" not in run.stdout
+    assert trajopt("verify", "mixed.h5").exit_code == 0

@@ -137,6 +137,8 @@ def _run(case: Case, folder: Path) -> Run:
 
     typed = ["bash", "-c", f'set -o pipefail; "$@" {case.streams}', "trajopt", *TRAJOPT, *case.arguments]
     environment = {**os.environ, "TMPDIR": str(folder), **case.environment}
+    if case.limit:
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"  # Python keeps half a .pyc, and nothing could import it again
     done = subprocess.run(
         typed, cwd=folder, env=environment, capture_output=True, timeout=600, preexec_fn=limited, check=False
     )

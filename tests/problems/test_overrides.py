@@ -111,3 +111,10 @@ def test_what_only_the_solution_finds_names_the_file(folder):
     run = trajopt("solve", "plain.yaml")
     assert run.exit_code == 2
     assert run.stderr.startswith("error: plain.yaml:7: mesh.0: finite-difference needs")
+
+
+@pytest.mark.parametrize(("section", "value"), [("parameters", "5"), ("controls", "seven"), ("states", "[x, v]")])
+def test_an_override_within_a_section_that_is_none(section, value):
+    text = f"trajopt: 1\ntime: {{initial: 0, final: 1}}\n{section}: {value}\nobjective: {{minimize: {{terminal: 1}}}}\n"
+    with pytest.raises(SpecError, match=f"{section} has no m"):
+        load_text(text, "x.yaml", [f"{section}.m.unit=kg"])

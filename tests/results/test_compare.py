@@ -147,3 +147,17 @@ BASE = {
 )  # fmt: skip
 def test_what_makes_another_problem(change, told):
     assert differences(BASE, {**BASE, **change}) == told
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.90753, 5.80332), (0.1, 0.7), (0.0, 1.0)])
+def test_trajectories_that_are_cut_in_two_ways_agree_to_the_end(start, end):
+    """By rounding, t0 + 1.0*(tF - t0) may be beyond tF: for the first of these ends."""
+    t = np.linspace(start, end, 9)
+
+    def phase(name, times):
+        curves = {"state": {"a": Curve("", np.empty(0), times**2)}}
+        return PhaseCurves(name, "s", times, times, times[[0, -1]], curves, {}, {}, {})
+
+    halves = [phase("first", t[:5]), phase("second", t[4:])]
+    for first, other in (([phase("main", t)], halves), (halves, [phase("main", t)])):
+        assert _distance(Path("a.h5"), first, other) == ("a", pytest.approx(0, abs=1e-12))

@@ -9,12 +9,15 @@ from command_line import process, strict_json, trajopt
 from named import ALL, SOLVED, share
 from repository import ROOT
 
+from trajopt.problems.build import build_all
 from trajopt.problems.catalog import shipped
+from trajopt.problems.load import load
 from trajopt.results.library import baseline as kept
 from trajopt.results.library.baseline import baseline, baseline_text, regressions, renewed
-from trajopt.results.library.rows import COMPLETE, EXCLUDED, FINE, SHORT, SLOW, Finer, Row, row_from
-from trajopt.results.library.solve import solve_one
-from trajopt.results.library.table import cells, html, markdown
+from trajopt.results.library.rows import COMPLETE, EXCLUDED, FINE, SHORT, SLOW, Finer, Row, row_from, row_of
+from trajopt.results.library.solve import finest, solve_one
+from trajopt.results.library.table import cells, library_html, markdown
+from trajopt.transcription.continuation import solve_spec
 
 BASELINE = baseline()
 CHEAP = {
@@ -65,8 +68,18 @@ def test_a_shipped_problem_ends_as_its_file_and_the_baseline_say(tmp_path, name)
     assert row.solved, row.message
     assert bool(row.checks) == verified
     assert row.difference <= row.tolerance, (row.objective, row.reference)
-    assert regressions(BASELINE, [row]) == []
+    assert regressions(BASELINE, [row], finer=False) == []
     assert regressions({name: row}, [BASELINE[name]]) == [], f"better than in the baseline: {HOW}"
+
+
+@pytest.mark.parametrize("name", ["bryson_denham", "fuller", "speed_limit"])
+def test_a_solve_for_more_digits_ends_at_its_limit(name):
+    spec = load(shipped()[name])
+    solution = solve_spec(spec, build_all(spec))
+    row = row_of(name, spec, solution, [], (0.0, 0.0))
+    assert row.complete is False
+    assert finest(row, spec, solution, seconds=0.0) == row
+    assert finest(row, spec, solution).finer
 
 
 # -- what is worse --------------------------------------------------------------------------------------------------
@@ -118,6 +131,35 @@ def test_what_is_worse_is_told_with_the_name_and_both_values(change, told):
 )
 def test_what_is_as_good_is_not_told(change):
     assert regressions({"swing": GOOD}, [replace(GOOD, **change)]) == []
+
+
+LONG = 2.512345678
+TOLD = {
+    COMPLETE: replace(GOOD, objective=LONG, reference=LONG, source="own"),
+    FINE: replace(GOOD, objective=LONG + 2e-9, reference=LONG, source="own", finer=Finer("--polish", LONG, 1e-9)),
+    EXCLUDED: replace(
+        GOOD, objective=LONG + 2e-9, reference=LONG, source="own", finer=Finer("--polish", LONG + 1e-8, 1e-9)
+    ),
+}
+"""Rows of a reference of ten digits, by their standing."""
+
+
+@pytest.mark.parametrize("standing", TOLD)
+@pytest.mark.parametrize(
+    ("finer", "told"),
+    [
+        (None, "not now (no finer solve is better)"),
+        (Finer("--polish", LONG + 1e-9, 2e-9), "not now (the finer solve: --polish gives 2.512345679 +- 2.0e-09)"),
+    ],
+)
+def test_a_published_digit_that_the_finer_solve_lost_is_told(standing, finer, told):
+    before, now = TOLD[standing], replace(TOLD[FINE], finer=finer)
+    assert (before.standing, now.standing) == (standing, SHORT)
+    (line,) = regressions({"swing": before}, [now])
+    assert line.startswith("swing: all published digits were told before")
+    assert told in line
+    assert regressions({"swing": before}, [now], finer=False) == []
+    assert regressions({"swing": now}, [now]) == [] == regressions({"swing": now}, [before])
 
 
 def test_bars_within_rounding_may_vary():
@@ -240,7 +282,7 @@ def test_rows_of_a_run_take_the_place_of_kept_ones():
 
 def test_html_shows_what_is_wrong_and_escapes_texts():
     odd = replace(GOOD, name="a<b", source="x & y", bar=1e-9, tolerance=1e-9)
-    page = html([odd], ["a<b: worse"])
+    page = library_html([odd], ["a<b: worse"])
     tags = []
     parser = HTMLParser()
     parser.handle_starttag = lambda tag, attributes: tags.append((tag, dict(attributes).get("class")))

@@ -1,5 +1,7 @@
 """Continuation: easier problems on the way, smaller steps where one fails, mistakes of the schedule."""
 
+import time
+
 import pytest
 
 from trajopt.problems.errors import SpecError
@@ -69,6 +71,16 @@ def test_a_way_that_ends_nowhere_is_told():
 
 
 @pytest.mark.parametrize(
+    "way", ["continuation={parameters.g: [5]}", "complementarity=[{a: q**2, b: 0*q, relax: [1, 0.1]}]"]
+)
+def test_starts_are_drawn_for_the_first_problem_of_the_way(way):
+    through = solved(way, "solver.starts=2", "solver.seed=1")
+    assert through.solved
+    assert through.notes[0].startswith("of the first problem on the way: 3 starts on the first mesh led to ")
+    assert not any("starts" in note for note in through.notes[1:])
+
+
+@pytest.mark.parametrize(
     ("schedule", "first"),
     [
         ("{parameters.g: [9, 5]}", "parameters.g = 9"),
@@ -84,6 +96,19 @@ def test_a_first_problem_that_is_not_solved_is_not_taken_for_that_of_the_file(sc
 def test_nothing_is_told_of_a_way_that_reaches_the_file():
     through = solved("continuation={parameters.g: [5]}")
     assert through.solved and not any("continuation" in note for note in through.notes)
+
+
+@pytest.mark.parametrize(
+    ("continuation", "way"),
+    [
+        ("{parameters.g: [0, 5, 9.81], parameters.far: [4, 3, 2]}", [[0, 5, 9.81, 9.81], [4, 3, 2, 1]]),
+        ("{parameters.g: [0, 5, 9.81], parameters.far: [3, 2]}", [[0, 5, 9.81], [3, 2, 1]]),
+        ("{parameters.g: [0, 9.81], parameters.far: [3, 1]}", [[0, 9.81], [3, 1]]),
+    ],
+)
+def test_lists_are_of_one_length_with_and_without_the_values_of_the_file(continuation, way):
+    spec = load_yaml(SWING, ["parameters.g=9.81", "parameters.far=1", f"continuation={continuation}"])
+    assert [*way_of(spec).values()] == way
 
 
 @pytest.mark.parametrize(
@@ -119,3 +144,27 @@ objective: {minimize: {integral: u**2}}
         build_checked([load_yaml(f"{text}continuation: {{{path}: [1]}}")])
     (mistake,) = error.value.mistakes
     assert remedy in mistake.remedy and f"{path} is no number" in mistake.what
+
+
+def test_names_that_only_look_like_keys():
+    """A parameter whose name is that of a key; a state whose name begins like one."""
+    text = SWING.replace("far: 3.14159}", "far: 3.14159, relax: 1}").replace("u - g*sin(q)", "u - relax*g*sin(q)")
+    spec = load_yaml(text, ["continuation={parameters.relax: [-1]}", "solver.max_iter=9"])
+    found = solve_spec(spec, build_checked([spec])[0])
+    assert all(isinstance(step.values["parameters.relax"], float) for step in found.continuation)
+    text = SWING.replace("q:", "timer:").replace("sin(q)", "sin(timer)").replace("{rate: w", "{rate: w", 1)
+    waypoint = "waypoints=[{time: 1, timer: 1.5}]"
+    assert list(way_of(load_yaml(text, [waypoint, "continuation={waypoints.0.timer: [1]}"]))) == [
+        "waypoints.0.states.timer"
+    ]
+
+
+def test_the_time_limit_is_for_the_whole_way():
+    """Each step has what is left of it, so that the way ends soon after the limit."""
+    limit = 0.3
+    steps = ", ".join(f"{0.1 * k:.1f}" for k in range(90))
+    began = time.monotonic()
+    through = solved(f"solver.seconds={limit}", f"continuation={{parameters.g: [{steps}]}}")
+    assert not through.solved and through.status is Status.TIME_LIMIT
+    assert len(through.continuation) < 90 and time.monotonic() - began < 60
+    assert [step.status for step in through.continuation[:-1]] == [Status.SOLVED] * (len(through.continuation) - 1)

@@ -22,10 +22,12 @@ def completed(solution: Solution, solved: Solved) -> Solution:
     if not solution.status.usable:
         return solution
     continuous = not all(phase.exact for phase in solution.problem.phases)
+    of_phases, between = prices(*own)
     return replace(
         solution,
-        prices=prices(*own),
-        program=kind_of_program(solved.nlp, solved.outcome.z, continuous),
+        prices=of_phases,
+        prices_between=between,
+        program=kind_of_program(solved.nlp, solved.outcome.z).told(continuous),
         arcs=courses(*own, solution.trajectories),
         estimates=estimates(*own) if solution.solved else None,
     )

@@ -10,14 +10,14 @@ With K equally spaced points, dt = (tF - t0) / (K - 1) and a(t, x, dx/dt, u) the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...problems.problem import Curves
-from ...problems.quantities import Range, State
-from ..constraint_kinds import DEFECT
+from ...problems.quantities import State
+from ..constraint_kinds import BOUND, BOUND_FINAL, BOUND_INITIAL, DEFECT, ConstraintKind
 from ..libraries.pyomo import RangeSet, pyomo
 from ..program.templates import item
 from .builder import PhaseBuilder
@@ -44,18 +44,18 @@ class DifferenceBuilder(PhaseBuilder):
         self.block.inner = RangeSet(1, self.last - 1)
 
     def places(self) -> list[Place]:
-        def place(
-            name: str, over: Any, values: Callable[[Any], dict], points: np.ndarray, ranges: Mapping[str, Range]
-        ) -> Any:
-            quadrature = np.full(len(points), 1.0 / self.last)
-            return Place(name, over, values, lambda k: self.dt, points, quadrature, ranges)
-
         v = [velocity for _, velocity in self.pairs]
-        inner = np.arange(1, self.last)
+
+        def place(
+            name: str, over: Any, values: Callable[[Any], dict], points: list[int], asked: ConstraintKind
+        ) -> Place:
+            quadrature = np.full(len(points), 1.0 / self.last)
+            return Place(name, over, values, lambda k: self.dt, np.array(points, int), quadrature, v, asked)
+
         return [
-            place("", self.block.inner, self._inner_values, inner, {s.name: s.bounds for s in v}),
-            place("_initial", None, lambda k: self.end_values(False), np.array([0]), {s.name: s.initial for s in v}),
-            place("_final", None, lambda k: self.end_values(True), np.array([self.last]), {s.name: s.final for s in v}),
+            place("", self.block.inner, self._inner_values, list(range(1, self.last)), BOUND),
+            place("_initial", None, lambda k: self.end_values(False), [0], BOUND_INITIAL),
+            place("_final", None, lambda k: self.end_values(True), [self.last], BOUND_FINAL),
         ]
 
     def _positions(self, k: Any) -> Values:

@@ -10,6 +10,7 @@ from ...problems.names.structure import Form, form_of
 from ...problems.probe import depends_on
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Range
+from ..constraint_kinds import kind_between
 from ..layout import BETWEEN
 from ..method_kind import TIMES
 
@@ -36,13 +37,13 @@ def forms_of(problem: Problem, values_only: bool = False) -> Forms:
     shape = [
         problem.sense,
         *((own.name, _shape(own.bounds)) for own in problem.parameters),
-        *((link.name, _shape(link.bounds)) for link in problem.links),
+        *((kind_between(link).name, link.name, _shape(link.bounds)) for link in problem.links),
         *(_shape_of_phase(phase) for phase in problem.phases),
     ]
     return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
 
 
-def numbers_of(problem: Problem, forms: Forms) -> dict[tuple[str, str], float]:
+def data_of(problem: Problem, forms: Forms) -> dict[tuple[str, str], float]:
     """The numbers of a problem that may be data of its program: (phase, or BETWEEN; name of a parameter, or of a time).
 
     problem: any.

@@ -32,18 +32,21 @@ import numpy as np
 from ...problems.names.structure import Form
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Constraint as PathConstraint
+from ...problems.quantities import Function
 from ..constraint_kinds import kind_between
 from ..layout import BETWEEN, Family, Layout, Transcription, places
 from ..libraries.pyomo import AnyValue, Block, ConcreteModel, Constraint, Objective, Param, Var, pyomo
+from ..measured.knots import knots_at
 from ..method_kind import TIMES
 from ..program.compiled import CompiledNLP
 from ..program.compiler import compile_model
 from ..program.templates import templated
 from ..schemes.mesh import Mesh
 from ..schemes.segment import KindOfMethod
-from .builder import PhaseBuilder, between, bound
+from .builder import PhaseBuilder
 from .differences import DifferenceBuilder
 from .forms import forms_of
+from .relations import between, bound
 from .segments import CollocationBuilder
 
 BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
@@ -85,7 +88,7 @@ def by_model(
             builder.variables(curves)
             builder.constraints()
         links = _links(model, problem, builders, linked)
-        measured = 0.0 if templates else sum(builder.residuals() for builder in builders)  # else `measured.program`
+        measured = 0.0 if templates else sum(map(_residuals, builders))  # else `measured.program`
         model.cost = Objective(rule=lambda m: problem.sense * _cost(problem, builders, linked) + measured)
     unknowns = _Unknowns()
     layouts = tuple(_laid_out(builder, unknowns.place) for builder in builders)
@@ -95,7 +98,7 @@ def by_model(
 
 
 def compiled_model(transcription: Transcription, backend: str | None = None) -> CompiledNLP:
-    """The nonlinear program of a templated model; its slots are those of `forms.numbers_of`.
+    """The nonlinear program of a templated model; its slots are those of `forms.data_of`.
 
     transcription: by `by_model`.
     backend: as of `compile_model`.
@@ -154,6 +157,27 @@ def _all_ends(builders: Sequence[PhaseBuilder]) -> dict[str, Any]:
 def _cost(problem: Problem, builders: Sequence[PhaseBuilder], data: Mapping[str, Any]) -> Any:
     cost = sum(builder.cost() for builder in builders)
     return cost + problem.mayer({**_all_ends(builders), **data}, pyomo) if problem.mayer else cost
+
+
+def _residuals(builder: PhaseBuilder) -> Any:
+    """The weighted squared residuals of the measurements of a phase, written out (see `measured.residuals`)."""
+    phase, mesh, total = builder.phase, builder.mesh, 0.0
+    for own in phase.measured:
+        knots = mesh.knots[knots_at(mesh, phase.fractions_of(own.instants))]
+        at = zip(knots.tolist(), own.instants.tolist(), strict=True)
+        h = [_at_knot(builder, own.function, k, t) for k, t in at]
+        if own.spans is not None:
+            h = [(b - a) / d for a, b, d in zip(h[::2], h[1::2], np.diff(own.spans)[:, 0].tolist(), strict=True)]
+        for one, y, w in zip(h, own.values.tolist(), own.weights.tolist(), strict=True):
+            total += w * (one - y) ** 2
+    return total
+
+
+def _at_knot(builder: PhaseBuilder, function: Function, k: int, t: float) -> Any:
+    """A function of states and parameters at the point k, a knot, whose time is t."""
+    values = builder.at(k, [state.name for state in builder.phase.states], inputs=False)
+    values["t"] = t
+    return function(values, pyomo)
 
 
 class _Unknowns:

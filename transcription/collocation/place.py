@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ...problems.lean.records import dataclass
-from ...problems.quantities import Range
+from ...problems.quantities import State
+from ..constraint_kinds import BOUND, ConstraintKind
 from ..program.templates import item
 
 
@@ -18,7 +19,8 @@ class Place:
 
     over: the Set of the rule's index, or None for a single point. values: index -> the values at that point, by name.
     weight: index -> its quadrature weight in time. points: (M,) the numbers of the points, and quadrature: (M,) their
-    weights for a phase of duration 1. computed: the states that are no variables there, with their ranges.
+    weights for a phase of duration 1. computed: the states that are no variables there. asked: the kind of the rows
+    that hold them to a range of theirs.
     """
 
     name: str
@@ -27,7 +29,8 @@ class Place:
     weight: Callable[[Any], Any]
     points: np.ndarray
     quadrature: np.ndarray
-    computed: Mapping[str, Range]
+    computed: Sequence[State] = ()
+    asked: ConstraintKind = BOUND
 
 
 class Values(dict):

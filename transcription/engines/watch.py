@@ -26,7 +26,11 @@ class Limit:
         self.end, self.stop, self.clock = inf if seconds is None else clock() + seconds, stop, clock
 
     def reached(self) -> bool:
-        return self.asked() or self.clock() > self.end
+        return self.asked() or self.left() < 0
+
+    def left(self) -> float:
+        """Seconds until the end; infinite without one."""
+        return self.end - self.clock()
 
     def asked(self) -> bool:
         """Whether it was `stop` that said so."""

@@ -49,7 +49,7 @@ def export(problem: Problem, meshes: Sequence[Mesh], path: Path, force: bool = F
     """
     check_format(path)
     written = [path, *(path.with_suffix(suffix) for suffix in (".row", ".col") if path.suffix == ".nl")]
-    tables = [table for phase in problem.phases for table in tables_of(phase)]
+    tables = tables_of(problem)
     if path.suffix != ".tex" and tables:
         what = f"the table {tables[0]} cannot be written to {path.suffix}, whose formulas have no tables of data"
         remedy = "end the name with .tex, or write a formula in place of the table"

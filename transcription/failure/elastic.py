@@ -1,6 +1,6 @@
 """The elastic program: constraints may be relaxed, at a price, and nothing else matters.
 
-    minimise   sum_j c_j (P_j + Q_j)  +  NEAR / 2 sum_i ((z_i - start_i) / size_i)^2
+    minimise   sum_j c_j (P_j + Q_j)  +  NEAR / (2 n) sum_i ((z_i - start_i) / (1 + |start_i|))^2
     subject to lower_j <= g_k(z) - p_k + q_k <= upper_j,   0 <= p_k <= P_j,   0 <= q_k <= Q_j
                                                          for every row or unknown k of what is soft, j
                and all other rows and bounds as they are
@@ -30,15 +30,15 @@ NEAR = 1e-6
 class Soft:
     """What may be relaxed under one name: rows of the program, or bounds of unknowns.
 
-    what: in words. unit: of its values, "" if none is known. places: (K,) numbers of the rows or unknowns. s: (K,)
-    normalised times. over_time: whether it holds at many times. lower, upper: its bounds. size: of its values.
-    of_time: whether it is about a time at an end.
+    what: in words. unit: of its values, "" if none is known. places: (K,) numbers of the rows or unknowns, and
+    of_unknowns: (K,) which are unknowns. s: (K,) normalised times. over_time: whether it holds at many times. lower,
+    upper: its bounds. size: of its values. of_time: whether it is about a time at an end.
     """
 
     phase: str
     what: str
     unit: str
-    of_unknowns: bool
+    of_unknowns: np.ndarray
     over_time: bool
     places: np.ndarray
     s: np.ndarray
@@ -61,12 +61,14 @@ class ElasticProgram:
     ) -> None:
         """factors: (J,) of the prices 1 / size of what is soft."""
         self.inner, self.start, self.seconds, self.soft = nlp, start, nlp.seconds, soft
-        none, added = np.zeros(0, int), [own for own in soft if own.of_unknowns]
-        self.unknowns = np.concatenate([none, *(own.places for own in added)])
+        none, counts = np.zeros(0, int), [int(own.of_unknowns.sum()) for own in soft]
+        self.unknowns = np.concatenate([none, *(own.places[own.of_unknowns] for own in soft)])
         self.softened_end = nlp.m + len(self.unknowns)
-        bounds = [np.repeat([[own.lower], [own.upper]], len(own.places), axis=1) for own in added]
-        new = iter(np.split(np.arange(nlp.m, self.softened_end), np.cumsum([len(own.places) for own in added])[:-1]))
-        self.rows_of = [next(new) if own.of_unknowns else own.places for own in soft]
+        bounds = [np.repeat([[own.lower], [own.upper]], count, axis=1) for own, count in zip(soft, counts, strict=True)]
+        new = np.split(np.arange(nlp.m, self.softened_end), np.cumsum(counts))[:-1]
+        self.rows_of = [own.places.copy() for own in soft]
+        for rows, own, made in zip(self.rows_of, soft, new, strict=True):
+            rows[own.of_unknowns] = made
         self.softened = np.concatenate([none, *self.rows_of])
         self.owner = np.repeat(np.arange(len(soft)), [len(rows) for rows in self.rows_of])
         K, J = len(self.softened), len(soft)
@@ -160,5 +162,11 @@ class ElasticProgram:
         return self.hessian_places
 
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
+        """As of `NonlinearProgram`; f is how near the point stays to the first one.
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         inner = self.inner.hessian(z[: self.inner.n], y[: self.inner.m], 0.0)
         return np.concatenate([inner, sigma * self.near])

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
 from ...problems.probe import names_asked
-from ...problems.problem import Phase
+from ...problems.problem import Phase, Problem
 from ...problems.quantities import Function, Variable
 from ...problems.text import shorten
-from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, RESIDUAL
-from ..layout import Transcription
+from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, RESIDUAL, kind_between
+from ..engines.ipopt import MOST_RELAXED
+from ..layout import BETWEEN, Transcription
 from ..program.pointwise import PointFunctions
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import constraint_named
@@ -26,31 +27,42 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
     """
     if not failed:
         return ""
+    read = trajectories(transcription, failed[0])
     for explain in (_value_fault, _derivative_fault):
-        for trajectory in trajectories(transcription, failed[0]):
-            for owner, function, at_ends in _functions(trajectory.phase):
+        for trajectory in read:
+            phase = trajectory.phase
+            for owner, function, at_ends in _functions(phase):
                 values = _end_values(trajectory) if at_ends else _point_values(trajectory)
                 if not at_ends and not len(values["t"]):
                     continue  # no point has finite values
-                if found := explain(function, values, trajectory.phase):
+                if found := explain(function, values, _given_times(phase)):
                     what, i, there = found
                     time = "" if at_ends else f" at t = {values['t'][i]:.6g}"
-                    return f"{owner}: {what}{time}{_where(there)}{_relaxed(trajectory.phase, there)}"
+                    return f"{owner}: {what}{time}{_where(there)}{_relaxed(phase, there)}"
+        for owner, function in _functions_between(transcription.problem):
+            values = {f"{own.phase.name}.{name}": v for own in read for name, v in _end_values(own).items()}
+            given = {f"{own.phase.name}.{name}" for own in read for name in _given_times(own.phase)}
+            if found := explain(function, {**values, **read[0].parameters}, given):
+                return f"{owner}: {found[0]}{_where(found[2])}"
     name, index = failed[1][0]
-    return f"a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
+    return f"a function or a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")
 
 
-def _value_fault(function: Function, values: dict, _: Phase) -> tuple[str, int, dict] | None:
+def _given_times(phase: Phase) -> Collection[str]:
+    """The names of the times of a phase, where they are no unknowns."""
+    return ("t", "t[initial]", "t[final]") if phase.initial_time.fixed and phase.final_time.fixed else ()
+
+
+def _value_fault(function: Function, values: dict, _: Collection[str]) -> tuple[str, int, dict] | None:
     """(what, index, values there) of the innermost sub-expression that is not finite."""
     fault = getattr(function, "fault", lambda values: None)(values)
     return fault and (f'"{shorten(fault.text)}" {fault.why}', fault.at, fault.values)
 
 
-def _derivative_fault(function: Function, values: dict, phase: Phase) -> tuple[str, int, dict] | None:
-    """The same for its first or second derivatives, which IPOPT needs as well."""
-    times = ("t", "t[initial]", "t[final]") if phase.initial_time.fixed and phase.final_time.fixed else ()
-    data = [name for name in values if name in times]
-    unknowns = [name for name in values if name not in times]
+def _derivative_fault(function: Function, values: dict, given: Collection[str]) -> tuple[str, int, dict] | None:
+    """The same for its first or second derivatives, which IPOPT needs as well; given: names that are no unknowns."""
+    data = [name for name in values if name in given]
+    unknowns = [name for name in values if name not in given]
     compiled = PointFunctions([function], unknowns, data, dict.fromkeys(("differentiate", "compile"), 0.0))
     names = (*unknowns, *data)
     points = np.stack(np.broadcast_arrays(*(np.asarray(values[name], float) for name in names)), axis=-1)
@@ -78,7 +90,8 @@ def _relaxed(phase: Phase, values: dict[str, float]) -> str:
     left = [v.name for v in variables if v.name in values and v.bounds.clip(values[v.name]) != values[v.name]]
     if not left:
         return ""
-    return f" (IPOPT leaves bounds by 1e-8 unless 'solver: {{bound_relax_factor: 0}}' forbids it for {left[0]})"
+    leaves = f"IPOPT leaves bounds by up to {MOST_RELAXED:.0e} of 1 + their size"
+    return f" ({leaves} unless 'solver: {{bound_relax_factor: 0}}' forbids it for {left[0]})"
 
 
 def _functions(phase: Phase) -> Iterator[tuple]:
@@ -92,6 +105,13 @@ def _functions(phase: Phase) -> Iterator[tuple]:
         yield "terminal objective", phase.mayer, True
     kind = CONDITION if phase.static else BOUNDARY
     yield from ((constraint_named(phase.name, kind, c.name), c.function, True) for c in phase.boundary)
+
+
+def _functions_between(problem: Problem) -> Iterator[tuple[str, Function]]:
+    """(whose, function) of all that asks for the ends of several phases."""
+    yield from ((constraint_named(BETWEEN, kind_between(own), own.name), own.function) for own in problem.links)
+    if problem.mayer:
+        yield "terminal objective", problem.mayer
 
 
 def _point_values(trajectory: Trajectory) -> dict:

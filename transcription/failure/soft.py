@@ -10,7 +10,7 @@ import numpy as np
 
 from ...problems.problem import Phase, Problem
 from ...problems.quantities import Range, Variable
-from ..constraint_kinds import PATH_END, ConstraintKind
+from ..constraint_kinds import BOUND, ConstraintKind, Multiplier
 from ..layout import Family, Layout, Transcription
 from ..program.contract import NonlinearProgram
 from ..solution.violation import constraint_named, of_phase
@@ -30,7 +30,13 @@ def soft_constraints(problem: Problem, transcription: Transcription, nlp: Nonlin
     for phase, layout in zip(problem.phases, transcription.phases, strict=True):
         yield from _ends(phase, layout)
         for variable, places in zip((*phase.states, *phase.controls), (*layout.x, *layout.u), strict=False):
-            yield from _bounds(variable, phase.name, places, layout, variable in phase.states)
+            rows = [
+                (row, start)
+                for own in transcription.families
+                if (own.phase, own.kind, own.name) == (phase.name, BOUND, variable.name)
+                for row, start in zip(own.rows(nlp), own.span[:, 0], strict=True)
+            ]
+            yield from _bounds(variable, layout, places, rows, variable in phase.states)
     for parameter, place in zip(problem.parameters, transcription.parameters.tolist(), strict=True):
         if parameter.bounds != Range():
             yield _once("", f"the bounds of {parameter.name}", parameter, np.array([place]), parameter.bounds)
@@ -50,36 +56,45 @@ def _ends(phase: Phase, layout: Layout) -> Iterator[Soft]:
 
 def _once(phase: str, what: str, variable: Variable, places: np.ndarray, bounds: Range) -> Soft:
     size = _size(variable.bounds if variable.bounds != Range() else bounds, bounds)
-    return Soft(phase, what, variable.unit, True, False, places, np.zeros(1), bounds.lower, bounds.upper, size)
+    of_unknowns = np.ones(len(places), bool)
+    return Soft(phase, what, variable.unit, of_unknowns, False, places, np.zeros(1), bounds.lower, bounds.upper, size)
 
 
-def _bounds(variable: Variable, phase: str, places: np.ndarray, layout: Layout, state: bool) -> Iterator[Soft]:
-    inside = places.copy()
+def _bounds(
+    variable: Variable, layout: Layout, places: np.ndarray, rows: list[tuple[int, float]], state: bool
+) -> Iterator[Soft]:
+    """Of unknowns, and of rows (number, normalised time) where the state is none."""
+    phase, inside = layout.phase.name, places.copy()
     if state:
         inside[[0, -1]] = -1  # values at the ends have a name of their own
     at = np.flatnonzero(inside >= 0)
-    if variable.bounds == Range() or not len(at):
+    if variable.bounds == Range() or not (len(at) or rows):
         return
-    what, size = f"the bounds of {variable.name}{of_phase(phase)}", _size(variable.bounds, variable.bounds)
-    lower, upper = variable.bounds.lower, variable.bounds.upper
-    s = layout.mesh.fractions[at]
-    yield Soft(phase, what, variable.unit, True, True, inside[at], s, lower, upper, size)
+    what, bounds, size = (
+        f"the bounds of {variable.name}{of_phase(phase)}",
+        variable.bounds,
+        _size(variable.bounds, variable.bounds),
+    )
+    every = [*zip(inside[at].tolist(), layout.mesh.fractions[at].tolist(), strict=True), *rows]
+    numbers, s = np.array([own[0] for own in every], int), np.array([own[1] for own in every])
+    of_unknowns = np.arange(len(every)) < len(at)
+    yield Soft(phase, what, variable.unit, of_unknowns, True, numbers, s, bounds.lower, bounds.upper, size)
 
 
 def _constraints(transcription: Transcription, nlp: NonlinearProgram) -> Iterator[Soft]:
     named: dict[tuple[str, str, str], list[Family]] = {}
     for family in transcription.families:
-        if not family.kind.model:
+        if not (family.kind.model or family.kind is BOUND):
             named.setdefault((family.phase, family.kind.phrase, family.name), []).append(family)
     for (phase, _, name), same in named.items():
         kind: ConstraintKind = same[0].kind
         rows = np.concatenate([family.rows(nlp) for family in same])
         s = np.concatenate([family.span[:, 0] for family in same])
         lower, upper = float(nlp.cl[rows].max()), float(nlp.cu[rows].min())
-        over_time = kind.timed and kind is not PATH_END
+        over_time = kind.multiplier is Multiplier.DENSITY
         size = _size(Range(lower, upper), Range(lower, upper))
         what = constraint_named(phase, kind, name)
-        yield Soft(phase, what, "", False, over_time, rows, s, lower, upper, size)
+        yield Soft(phase, what, "", np.zeros(len(rows), bool), over_time, rows, s, lower, upper, size)
 
 
 def _size(of_values: Range, bounds: Range) -> float:

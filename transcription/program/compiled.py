@@ -19,7 +19,7 @@ class CompiledNLP:
     """The nonlinear program of compiled families.
 
     n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
-    seconds: differentiate (Pyomo to SymEngine included), compile, evaluate. calls: evaluations by callback.
+    seconds: differentiate (Pyomo to SymEngine included), compile, evaluate.
     slots: key -> where a number stands that is data, for `number` and `with_numbers`.
     Callbacks raise NotFinite.
     """
@@ -169,7 +169,12 @@ class CompiledNLP:
 
     @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         weights = np.append(y, sigma)
         for f, _ in self._hessian:
             f.weights[:] = weights[f.rows]

@@ -26,8 +26,8 @@ from .compiled import CompiledNLP
 from .family import CompiledFamily
 from .machine_code import compile_family, timing
 from .slots import Slots
-from .symbolic import Arguments, placeholder_of, product_of, relation_of, without_sums
-from .templates import TemplateError, template_of
+from .symbolic import Arguments, product_of, without_sums
+from .templates import TemplateError, relation_of, template_of
 
 
 def compile_model(
@@ -101,14 +101,14 @@ class _Compiler:
         """A family for each Set that is summed over, with one output for each row it adds to."""
         groups = ComponentMap()
         for term in sums:
-            groups.setdefault(placeholder_of(term)._set, []).append(term)
+            groups.setdefault(term.placeholder._set, []).append(term)
         families = []
         for over, terms in groups.items():
             with timing(self.seconds, "differentiate"):
                 arguments = self._arguments(over)
                 outputs: dict[int, se.Basic] = {}
                 for term in terms:
-                    y = product_of(arguments, term.factors, term.expression, placeholder_of(term))
+                    y = product_of(arguments, term.factors, term.expression, term.placeholder)
                     outputs[term.row] = outputs.get(term.row, 0) + y
                 components = {term.row: term.component for term in terms}
                 rows = np.array(list(components), dtype=np.intp)

@@ -15,8 +15,8 @@ so that a variable which is fixed at some indices only is no special case: some 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, prod
-from typing import Any, NamedTuple
+from math import prod
+from typing import Any
 
 import numpy as np
 import symengine as se
@@ -24,20 +24,17 @@ import symengine as se
 from ...problems.expressions.functions import FUNCTIONS
 from ...problems.tables.table import Table
 from ..libraries.pyomo import (
-    Constraint,
     GetItemExpression,
     IndexTemplate,
-    Objective,
     TemplateSumExpression,
     native_numeric_types,
     native_types,
     value,
 )
 from ..libraries.pyomo import numeric_expr as ne
-from ..libraries.pyomo import relational_expr as relation
-from .lookups import Lookup
+from .lookups import CompiledLookup
 from .slots import Slots
-from .templates import TemplateError, linear_parts, table_of, template_of
+from .templates import SumTerm, TemplateError, linear_parts, table_of
 
 SYMENGINE = {row.name: getattr(se, row.name) for row in FUNCTIONS.values() if row.composed is None}
 EXACT_INTEGER = 2**53  # floats beyond it are not all integers, and integers beyond it not all floats
@@ -56,7 +53,7 @@ class Arguments:
         self.data: list[se.Symbol] = []
         self.variable_slots: list[np.ndarray] = []
         self.data_slots: list[np.ndarray] = []
-        self.lookups: list[Lookup] = []
+        self.lookups: list[CompiledLookup] = []
         self._known: dict[Any, se.Symbol] = {}
         self._looked_up: dict[tuple, np.ndarray] = {}
 
@@ -111,7 +108,7 @@ class Arguments:
         """The symbol of the value of a table; the same lookup is made once."""
         key = (id(table), *arguments)
         if key not in self._known:
-            self.lookups.append(Lookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
+            self.lookups.append(CompiledLookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
             self._known[key] = self.lookups[-1].value
         return self._known[key]
 
@@ -165,7 +162,7 @@ class _Translation:
 
     def value(self, e: Any) -> se.Basic:
         """What a part has been translated to."""
-        return number(e) if e.__class__ in native_numeric_types else self.memo[id(e)]
+        return exact_number(e) if e.__class__ in native_numeric_types else self.memo[id(e)]
 
     def node(self, e: Any) -> se.Basic:
         if isinstance(e, GetItemExpression) or not e.is_expression_type():
@@ -225,7 +222,7 @@ def _operation(e: Any, parts: list, zero: Any) -> Any:
     raise TemplateError(f"{type(e).__name__} has no translation: {e}")
 
 
-def number(x: float) -> se.Basic:
+def exact_number(x: float) -> se.Basic:
     """Whole numbers and halves exactly: x**2.0 is then a multiplication, x**0.5 a square root."""
     x = float(x)
     if x.is_integer() and abs(x) < EXACT_INTEGER:
@@ -245,43 +242,6 @@ def _real(result: se.Basic, parts: list) -> se.Basic:
         except (RuntimeError, TypeError, ValueError):
             return se.RealDouble(np.nan)
     return result
-
-
-# -- the body of a constraint or of the objective ----------------------------------------------------------------------
-
-
-def relation_of(c: Any) -> tuple[list, object, object, object]:
-    """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
-    e, template = template_of(c)
-    if getattr(e, "strict", False) not in (False, (False, False)):
-        raise TemplateError(f"{c.name} is a strict inequality, which no solver can tell from the other")
-    if isinstance(e, relation.RangedExpression):
-        lower, body, upper = e.args
-        return [(1, body)], lower, upper, template
-    if not isinstance(e, relation.EqualityExpression | relation.InequalityExpression):
-        raise TemplateError(f"the rule of {c.name} gives no relation but {e}")
-    left, right = e.args
-    equal = isinstance(e, relation.EqualityExpression)
-    if right.__class__ in native_numeric_types:
-        return [(1, left)], right if equal else -inf, right, template
-    if left.__class__ in native_numeric_types:
-        return [(1, right)], left, left if equal else inf, template
-    return [(1, left), (-1, right)], 0.0 if equal else -inf, 0.0, template
-
-
-class SumTerm(NamedTuple):
-    """product(factors) * sum of expression over the Set of `total`, in one row."""
-
-    component: Constraint | Objective
-    row: int
-    total: TemplateSumExpression
-    factors: list
-    expression: object
-
-
-def placeholder_of(term: SumTerm) -> Any:
-    """The index placeholder of a sum."""
-    return term.total.template_iters()[0][0]
 
 
 def product_of(arguments: Arguments, factors: list, e: Any, template: Any) -> se.Basic:

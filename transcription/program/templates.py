@@ -6,22 +6,27 @@ import builtins
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
 
 from ..libraries.alone import LOCK
 from ..libraries.pyomo import (
+    Constraint,
     GetItemExpression,
     IndexTemplate,
     NPV_Numeric_GetItemExpression,
     Numeric_GetItemExpression,
+    Objective,
     TemplateSumExpression,
     Var,
+    native_numeric_types,
     native_types,
     template_context,
 )
 from ..libraries.pyomo import constraint as pyomo_constraint
 from ..libraries.pyomo import numeric_expr as ne
 from ..libraries.pyomo import objective as pyomo_objective
+from ..libraries.pyomo import relational_expr as relation
 
 _SUM, _OF_PYOMO = builtins.sum, template_context.sum_template
 _THREAD = threading.local()  # `templated` is true in the one that makes templates
@@ -93,6 +98,40 @@ def template_of(component: Any) -> tuple[Any, IndexTemplate | None]:
     if len(indices) > 1:
         raise TemplateError(f"{component.name} has {len(indices)} indices; a template has one or none")
     return expression, (indices[0] if indices else None)
+
+
+def relation_of(c: Any) -> tuple[list, object, object, object]:
+    """A constraint as lower <= sum of sign * side <= upper; returns ([(sign, side)], lower, upper, template)."""
+    e, template = template_of(c)
+    if getattr(e, "strict", False) not in (False, (False, False)):
+        raise TemplateError(f"{c.name} is a strict inequality, which no solver can tell from the other")
+    if isinstance(e, relation.RangedExpression):
+        lower, body, upper = e.args
+        return [(1, body)], lower, upper, template
+    if not isinstance(e, relation.EqualityExpression | relation.InequalityExpression):
+        raise TemplateError(f"the rule of {c.name} gives no relation but {e}")
+    left, right = e.args
+    equal = isinstance(e, relation.EqualityExpression)
+    if right.__class__ in native_numeric_types:
+        return [(1, left)], right if equal else -inf, right, template
+    if left.__class__ in native_numeric_types:
+        return [(1, right)], left, left if equal else inf, template
+    return [(1, left), (-1, right)], 0.0 if equal else -inf, 0.0, template
+
+
+class SumTerm(NamedTuple):
+    """product(factors) * sum of expression over the Set of `total`, in one row."""
+
+    component: Constraint | Objective
+    row: int
+    total: TemplateSumExpression
+    factors: list
+    expression: Any
+
+    @property
+    def placeholder(self) -> Any:
+        """The index of the sum."""
+        return self.total.template_iters()[0][0]
 
 
 def linear_parts(e: Any) -> list[tuple[TemplateSumExpression | None, list, Any]]:

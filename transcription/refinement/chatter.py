@@ -1,4 +1,5 @@
-"""Chatter: a control that turns at nearly every point of the mesh, where the problem hardly determines it.
+"""Chatter: a control that turns at nearly every point of the mesh, or in every segment, where the problem hardly
+determines it.
 
 On a singular arc H does not depend on the control, and what of J does, through the states, falls with the square of the
 frequency. The fastest oscillation that a mesh can hold is then worth nothing, or a little less than nothing, as the
@@ -11,7 +12,7 @@ which is 0 for a straight line, the objective gets
 
     strength (1 + |J|) sum over k of (h- + h+)/2 (d_k / range of u)^2.
 
-A smooth control has d of second order in h, the term is of fourth. An oscillation has d = 4 range. A jump costs some h,
+A smooth control has d of second order in h, the term is of fourth. An oscillation has d = 2 range. A jump costs some h,
 wherever it is, so that the term is summed over the whole phase: where it ends, oscillations begin. The objective of
 a solution is always that of the problem itself; what the term is worth is a part of its error bar.
 """
@@ -33,7 +34,9 @@ from ..solution.violation import of_phase
 from .damped import Squares
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
+WIDE = 0.5  # of a control's range: turns at one point by so much count wherever they are
 TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
+PERIODS = 16  # one in each segment: bang-bang controls with few points on each arc have some, too
 NEAR = 2  # points from one turn to the next, at most
 STRENGTH = 1e-2
 WEAKER = 0.1
@@ -145,18 +148,51 @@ def chatter(trajectories: Sequence[Trajectory], transcription: Transcription) ->
         for number, control in enumerate(layout.phase.controls):
             known = layout.u[number] >= 0
             u, tau = trajectory.u[number, known], layout.mesh.fractions[known]
-            arcs = _turning(u, tau) if len(u) > TURNS else []
+            arcs = _turning(u, tau, layout.mesh.degrees_at_points[known]) if len(u) > TURNS else []
             found += [Rough(layout.phase.name, control.name, *ends, _range(control, u)) for ends in arcs]
     return found
 
 
-def _turning(u: np.ndarray, tau: np.ndarray) -> list[tuple[float, float]]:
-    """The times before the first and after the last turn of each run of turns; u, tau: (K,) at least two."""
+def _turning(u: np.ndarray, tau: np.ndarray, degrees: np.ndarray) -> list[tuple[float, float]]:
+    """The times before the first and after the last turn of each run of turns.
+
+    u, tau: (K,) at least two. degrees: (K,) points of the segment of each.
+    """
+    least = max(TURN * float(np.ptp(u)), FLAT * (1 + float(np.abs(u).max())))
+    everywhere, near = np.full(len(u), len(u)), np.full(len(u), NEAR)
+    runs = _runs(_sharp_turns(u, max(WIDE * float(np.ptp(u)), least)), everywhere, TURNS)
+    runs = runs or _runs(_sharp_turns(u, least), near, TURNS) + _runs(_turns(u, least)[::2], degrees, PERIODS)
+    return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs]
+
+
+def _runs(turns: np.ndarray, near: np.ndarray, least: int) -> list[np.ndarray]:
+    """The runs of at least so many turns (M,), with at most near (K,) points from each to the next."""
+    runs = np.split(turns, np.flatnonzero(np.diff(turns) > near[turns[:-1]]) + 1)
+    return [run for run in runs if len(run) >= least]
+
+
+def _sharp_turns(u: np.ndarray, least: float) -> np.ndarray:
+    """The numbers of the points of u (K,) that are above both neighbours, or below, by more than `least`."""
     steps = np.diff(u)
-    large = np.abs(steps) > max(TURN * np.ptp(u), FLAT * (1 + np.abs(u).max()))
-    turns = np.flatnonzero((steps[1:] * steps[:-1] < 0) & large[1:] & large[:-1]) + 1
-    runs = np.split(turns, np.flatnonzero(np.diff(turns) > NEAR) + 1)
-    return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs if len(run) >= TURNS]
+    large = np.abs(steps) > least
+    return np.flatnonzero((steps[1:] * steps[:-1] < 0) & large[1:] & large[:-1]) + 1
+
+
+def _turns(u: np.ndarray, least: float) -> np.ndarray:
+    """The numbers of the points at which u (K,) turns: a highest and a lowest one in turn, more than `least` apart."""
+    highest = lowest = direction = 0
+    turns: list[int] = []
+    values = u.tolist()
+    for k, value in enumerate(values):
+        highest = k if value > values[highest] else highest
+        lowest = k if value < values[lowest] else lowest
+        if direction >= 0 and values[highest] - value > least:
+            turns += [highest] * direction
+            direction, lowest = -1, k
+        elif direction <= 0 and value - values[lowest] > least:
+            turns += [lowest] * -direction
+            direction, highest = 1, k
+    return np.array(turns, int)
 
 
 def _range(control: Variable, u: np.ndarray) -> float:

@@ -2,13 +2,18 @@
 2018).
 
 The error of segment s is its largest eta over the states, relative to 1 + the size of the state, or the error of its
-part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment that exceeds the
-tolerance, or whose worth does, what it adds to the error bar of J, relative to 1 + |J| (where a constraint begins to
-act the dynamics may be met exactly, and J be off by multiplier times excess), or whose excess over bounds and path
-constraints between its points, times its share of the phase, is more than TOLERATED_EXCESS, or that smears a jump of a
-control: the square of the jump, relative to the control's range, times its share of the phase is more than the
-tolerance (dynamics that are linear in the control show no eta there; the objective suffers in the second order of the
-width; a jump that H does not depend on is worth nothing and is passed by),
+part of an integral (of the objective, or constrained), relative to 1 + the integral. A segment is refined if one of
+these is too large:
+
+    its error, by the tolerance;
+    its worth, what it adds to the error bar of J, relative to 1 + |J|, by the tolerance: where a constraint begins to
+        act the dynamics may be met exactly, and J be off by multiplier times excess;
+    its excess over bounds and path constraints between its points, times its share of the phase, by TOLERATED_EXCESS;
+    the square of a jump of a control, relative to the control's range, times its share of the phase, by the tolerance:
+        dynamics that are linear in the control show no eta there, and the objective suffers in the second order of the
+        width. A jump that H does not depend on is worth nothing and is passed by.
+
+Such a segment
 
     is split into three around a jump of its controls, the middle part closing in on it (see `switches`);
     gets more collocation points if its method has a choice of degree and the dynamics are smooth there: the Legendre
@@ -84,7 +89,7 @@ def refine(trajectory: Trajectory, error: ErrorProfile, tolerance: float, merge:
     merge: whether segments may lose points and be merged.
     """
     segments = _Segments(trajectory, error, tolerance)
-    if not len(segments.bad):
+    if trajectory.phase.exact or not len(segments.bad):
         return Refinement(trajectory.mesh, (), True)
     told = tuple(map(segments.told, segments.bad))
     if (scheme := trajectory.mesh.schemes[0]).equal:

@@ -1,4 +1,4 @@
-"""Single and multiple shooting (paper, 9.5 and 9.6): unknowns, constraints, and the compiled nonlinear program.
+"""Single and multiple shooting (paper, 9.5 and 9.6): unknowns and constraints.
 
 On segment s, with x_s the unknown state at its start and Phi_s the simulation to its end (see `schemes.shooting`),
 
@@ -39,7 +39,7 @@ MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ConstraintRows:
     """The rows of one group of constraints, in the order of their times, and their common bounds."""
 
     name: str
@@ -213,7 +213,7 @@ class _RowBuilder:
     ) -> None:
         if rows.size:
             span = np.atleast_2d(np.transpose(span))
-            component = Rows(f"{kind} {name}", rows, bounds)
+            component = ConstraintRows(f"{kind} {name}", rows, bounds)
             weights = np.broadcast_to(weights, len(span))
             self.families.append(Family(component, self.phase.name, kind, name, span, weights, group))
 

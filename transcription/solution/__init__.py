@@ -1,1 +1,1 @@
-"""An Outcome in; functions of time, costates, error estimates and causes of failure out."""
+"""An Outcome in; functions of time, costates, error estimates, the error bar and sensitivities out."""

@@ -27,6 +27,7 @@ ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
 INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
 GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
+RELAXED = 1e-8  # relative to 1 + |bound|: by so much IPOPT moves every bound outwards; a control that is off spans less
 NEARLY_CONSTANT = 1e-3  # of its size: a curve that spans less counts as one that spans so much
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
@@ -83,8 +84,10 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
         relative = np.vstack([eta / size, _quadrature_error(trajectory)]).max(axis=0)
     # Algebraic variables and equations between them are interpolated, and hold at the points only by their nature.
     shown = [e for e in excesses(trajectory) if not e.algebraic]
-    excess = {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
-    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, sample.t))
+    exact = trajectory.phase.exact
+    excess = {} if exact else {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
+    times = trajectory.times[trajectory.mesh.collocated] if exact else sample.t
+    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, times))
 
 
 def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
@@ -93,7 +96,7 @@ def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
     for e in shown:
         k = int(np.argmax(e.beyond))
         amount = float(e.beyond[k])
-        share = amount / e.span if e.span > 0 else 0.0
+        share = amount / e.span if e.span > 0 and e.values[k] > RELAXED else 0.0
         found.append(Overshoot(e.name, amount, e.unit, float(t[k]), share))
     return max(found, key=lambda own: own.share, default=None)
 
@@ -164,7 +167,7 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
 @short_repr
 @dataclass(frozen=True)
 class Excess:
-    """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the dense grid.
+    """How far something is beyond its bounds, relative to 1 + |bound|: values (M,) on the grid of `excesses`.
 
     beyond: (M,) the same in its own unit, and span: the range of what is bounded. unit: "" if none is known.
     algebraic: whether it is an algebraic variable, or an equation, as that between slack variables. control: whether it
@@ -181,9 +184,13 @@ class Excess:
 
 
 def excesses(trajectory: Trajectory) -> Iterator[Excess]:
-    """Of everything that is bounded over time; the solver holds only the collocation points to it."""
+    """Of everything that is bounded over time; the solver holds only the collocation points to it. An exact phase has
+    nothing between these, so there the values are of the collocation points."""
     phase, sample = trajectory.phase, trajectory.dense
-    values = phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
+    if phase.exact:
+        values = trajectory.at_collocated
+    else:
+        values = phase.arguments(sample.t, sample.x, sample.u, trajectory.parameters)
     for variable in (*phase.states, *phase.inputs):
         if variable.bounds != Range():
             curve, bounds = values[variable.name], variable.bounds
@@ -193,17 +200,16 @@ def excesses(trajectory: Trajectory) -> Iterator[Excess]:
             )  # fmt: skip
     relaxed = {own.name for own in phase.complementarity}  # they hold at the points only, or nothing could begin
     for constraint in (own for own in phase.path if own.name not in relaxed):
-        g = np.broadcast_to(constraint.function(values, np), sample.t.shape)
+        g = np.broadcast_to(constraint.function(values, np), np.shape(values["t"]))
         bounds, name = constraint.bounds, f"path constraint '{constraint.name}'"
         yield Excess(name, bounds.excess(g), bounds.fixed, bounds.beyond(g), _span(g))
 
 
 def exactness(trajectory: Trajectory) -> Iterator[tuple[Complementarity, float, float]]:
     """Each pair of which one must be zero, their largest product at the points that the solver holds, and its time."""
-    phase, k = trajectory.phase, trajectory.mesh.collocated
-    t = trajectory.times[k]
-    values = phase.arguments(t, trajectory.x[:, k], trajectory.u[:, k], trajectory.parameters)
-    for pair in phase.complementarity:
+    values = trajectory.at_collocated
+    t = values["t"]
+    for pair in trajectory.phase.complementarity:
         product = np.broadcast_to(pair.product(values, np), t.shape)
         worst = int(np.argmax(np.nan_to_num(product, nan=np.inf)))
         yield pair, float(product[worst]), float(t[worst])

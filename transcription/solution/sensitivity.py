@@ -35,7 +35,7 @@ from ...problems.quantities import Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import BETWEEN, Layout, Transcription, range_of_rows
-from ..method_kind import Number, Numbers
+from ..method_kind import DataNumber, Numbers
 from ..program.contract import NonlinearProgram, NotFinite
 
 TOUCHED = 1e-4
@@ -172,7 +172,7 @@ class _Program:
                 number = function.parameters[name]
                 self.sums.add(number, difference(squares, number, self.rounding))
 
-    def _lagrangian(self, number: Number, value: float) -> float:
+    def _lagrangian(self, number: DataNumber, value: float) -> float:
         """f + y . g with another number."""
         nlp, z, y = number.replaced(value), self.outcome.z, self.outcome.y
         try:
@@ -248,6 +248,5 @@ def _written(problem: Problem) -> Iterator[float]:
 
 def _functions(problem: Problem) -> Iterator[tuple[str, Any]]:
     """(phase, function) of each that the problem needs and that has parameters."""
-    between = [*(link.function for link in problem.links), *([problem.mayer] if problem.mayer else [])]
     own = [(phase.name, f) for phase in problem.phases for f in (*phase.over_time, *phase.at_ends)]
-    return ((phase, f) for phase, f in [*own, *((BETWEEN, f) for f in between)] if hasattr(f, "constants"))
+    return ((phase, f) for phase, f in [*own, *((BETWEEN, f) for f in problem.between)] if hasattr(f, "constants"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
+from time import perf_counter
 
 from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
@@ -69,6 +70,11 @@ class MeshRecord:
         what = ENDED.get(self.status) or f"failed: {self.status.message}"
         return f"the next mesh, of {self.segments} segments, {what}"
 
+    def after(self, first: MeshRecord) -> MeshRecord:
+        """This record of a second solve on one mesh, with the work of the first."""
+        seconds = {part: first.seconds[part] + own for part, own in self.seconds.items()}
+        return replace(self, iterations=first.iterations + self.iterations, seconds=seconds)
+
 
 @dataclass(frozen=True)
 class ContinuationStep:
@@ -97,8 +103,9 @@ class Solution:
     problem that contradicts itself would have to give way, in words: each would do by itself. continuation: the solves
     on the way to this problem, itself the last. discarded: meshes that were not kept. elsewhere: seconds of work that
     the history does not tell: other starts, discarded meshes, the way. sensitive: computes `sensitivities`. estimates:
-    of the static parameters, where something is measured. prices: of each phase, see `structure.prices`. arcs: of each
-    phase, see `structure.courses`. program: its kind, in words, if it is linear or quadratic.
+    of the static parameters, where something is measured. prices: of each phase, and prices_between: of conditions on
+    several, see `structure.prices`. arcs: of each phase, see `structure.courses`. program: its kind, in words, if it is
+    linear or quadratic.
     """
 
     problem: Problem
@@ -121,6 +128,7 @@ class Solution:
     discarded: tuple[MeshRecord, ...] = ()
     elsewhere: float = 0.0
     prices: tuple[Mapping[str, float], ...] = ()
+    prices_between: Mapping[str, float] = field(default_factory=dict)
     arcs: tuple[tuple[Course, ...], ...] = ()
     program: str = ""
     estimates: Estimates | None = None
@@ -142,6 +150,15 @@ class Solution:
         """Of the work on the meshes that led here, `elsewhere` left out."""
         return sum(sum(record.seconds.values()) for record in self.meshes)
 
+    def since(self, began: float) -> Solution:
+        """The solution, with the seconds since `began` (`time.perf_counter`) that none of its meshes has."""
+        return replace(self, elsewhere=max(perf_counter() - began - self.seconds_of_meshes, 0.0))
+
+    def out_of_time(self) -> Solution:
+        """The solution of an interrupted solve, of which the time limit is told."""
+        meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=Status.TIME_LIMIT))
+        return replace(self, status=Status.TIME_LIMIT, meshes=meshes)
+
     @property
     def solved(self) -> bool:
         """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
@@ -157,7 +174,7 @@ class Solution:
         return max(error.max_eta for error in self.errors)
 
 
-def with_bar(solution: Solution, bar: float) -> Solution:
+def with_error_bar(solution: Solution, bar: float) -> Solution:
     """A solution whose objective has another error bar, as far as it tells of it.
 
     solution: one with an error bar.

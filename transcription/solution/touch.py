@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dual.multipliers import Measure, Multipliers
-from ..engines.linear import solved
+from ..dual.multipliers import ConstraintMeasure, Multipliers
+from ..engines.linear import hessian_of, jacobian_of, solved
 from .lagrangian import PhaseLagrangian
 
 MOST_POINTS = 3
@@ -61,7 +61,7 @@ def touches(own: PhaseLagrangian) -> Iterator[Touch]:
             yield _touch(own, measure, points, kkt)
 
 
-def _groups(measure: Measure) -> Iterator[np.ndarray]:
+def _groups(measure: ConstraintMeasure) -> Iterator[np.ndarray]:
     """Numbers of the few neighbouring points inside the phase that hold a constraint, and none beside them does."""
     mass = np.abs(measure.mass)
     held = np.flatnonzero(mass > NONE * mass.max(initial=0.0))
@@ -70,7 +70,7 @@ def _groups(measure: Measure) -> Iterator[np.ndarray]:
             yield group
 
 
-def _touch(own: PhaseLagrangian, measure: Measure, points: np.ndarray, kkt: _KKT) -> Touch:
+def _touch(own: PhaseLagrangian, measure: ConstraintMeasure, points: np.ndarray, kkt: _KKT) -> Touch:
     s, mass = measure.s[points], measure.mass[points]
     rates = [_Rate(own, measure, at) for at in s]
     slopes = np.array([rate.value for rate in rates])
@@ -92,7 +92,7 @@ def _touch(own: PhaseLagrangian, measure: Measure, points: np.ndarray, kkt: _KKT
 class _Rate:
     """dg/dt at a point as the dynamics have it: its value, and its gradient by the unknowns there, at their places."""
 
-    def __init__(self, own: PhaseLagrangian, measure: Measure, s: float) -> None:
+    def __init__(self, own: PhaseLagrangian, measure: ConstraintMeasure, s: float) -> None:
         tr, layout = own.trajectory, own.layout
         node = int(np.argmin(np.abs(own.mesh.fractions - s)))
         self.own, self.function, self.n = own, measure.function, len(layout.x)
@@ -120,13 +120,9 @@ class _KKT:
     """The KKT matrix of the nonlinear program at its solution, with inequalities as the barrier has them."""
 
     def __init__(self, multipliers: Multipliers) -> None:
-        from scipy.sparse import coo_matrix, diags
-
         nlp, outcome = multipliers.nlp, multipliers.outcome
-        z, self.n, self.m = outcome.z, nlp.n, nlp.m
-        half = coo_matrix((nlp.hessian(z, outcome.y, 1.0), nlp.hessianstructure()), (nlp.n, nlp.n)).tocsr()
-        self.H = half + half.T - diags(half.diagonal())
-        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, nlp.n)).tocsr()
+        self.n, self.m = nlp.n, nlp.m
+        self.H, self.A = hessian_of(nlp, outcome.z, outcome.y), jacobian_of(nlp, outcome.z)
         with np.errstate(all="ignore"):
             lower, upper, rows = (np.where(y > 0, s / y, LARGE) for y, s, _ in multipliers.sides)
         tiny = 1 / LARGE

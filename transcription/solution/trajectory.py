@@ -96,6 +96,12 @@ class Trajectory:
         """The durations of the segments, shape (N,)."""
         return (self.t[1] - self.t[0]) * self.mesh.widths
 
+    @property
+    def at_collocated(self) -> dict[str, Any]:
+        """What functions are called with: names -> values at the collocation points, (M,) each, and parameters."""
+        k = self.mesh.collocated
+        return self.phase.arguments(self.times[k], self.x[:, k], self.u[:, k], self.parameters)
+
     @cached_property
     def f(self) -> np.ndarray:
         """The dynamics at the points, shape (n_x, K)."""

@@ -181,12 +181,13 @@ def _runge_kutta_step(rates: Rates, t: float, h: float, x: np.ndarray, u: np.nda
 
 
 def without_effect(problem: Problem, guesses: Sequence[Curves]) -> list[str]:
-    """The controls that nothing depends on in first order along a first trajectory, though the dynamics do in general.
+    """The controls, in words, that nothing depends on in first order along a first trajectory, though the dynamics do.
 
     guesses: one for each phase, or the trajectories of a solution.
     """
+    several = len(problem.phases) > 1
     return [
-        control.name
+        f"{control.name} of phase {phase.name}" if several else control.name
         for phase, guess in zip(problem.phases, guesses, strict=True)
         for control in phase.controls
         if not phase.algebraic and _without_effect(phase, guess, control.name)

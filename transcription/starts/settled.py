@@ -5,9 +5,9 @@ The rows are exact for the times that a solve starts from, and of second order b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from ...problems.problem import Curves, Problem
+from ...problems.problem import Curves, Phase, Problem
 
 SETTLED = 1e-7
 """Of the duration: times that move by less are those of the rows, also where a row begins to read another segment."""
@@ -20,8 +20,18 @@ def has_moving(problem: Problem) -> bool:
 
     problem: of any phases.
     """
-    late = any(phase.delayed for phase in problem.phases)
-    return late and not all(phase.initial_time.fixed and phase.final_time.fixed for phase in problem.phases)
+    return any(phase.delayed and not all(map(_is_timed, (phase, *_before(problem, phase)))) for phase in problem.phases)
+
+
+def _is_timed(phase: Phase) -> bool:
+    return phase.initial_time.fixed and phase.final_time.fixed
+
+
+def _before(problem: Problem, phase: Phase) -> Iterator[Phase]:
+    """The phases whose time goes on in this one: states at earlier times may be theirs."""
+    named = {own.name: own for own in problem.phases}
+    while before := named.get(phase.before):
+        yield (phase := before)
 
 
 def moved(problem: Problem, start: Sequence[Curves], end: Sequence[Curves]) -> float:

@@ -11,6 +11,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.transcription.collocation.moving import expansion
 from trajopt.transcription.loading import load_yaml
 from trajopt.transcription.settings import Step
+from trajopt.transcription.starts.settled import has_moving
 from trajopt.transcription.transcribe import program
 
 SYSTEM = shipped()["delayed_system"].read_text()
@@ -56,7 +57,8 @@ def test_a_free_final_time(overrides, bar):
 
 def test_a_result_with_free_times_is_verified_and_read_back(tmp_path):
     text = FASTEST.replace("lower: -1, upper: 1", "").replace('terminal: "t[final]"', "integral: 0.3 + u**2")
-    (tmp_path / "late.yaml").write_text(text.replace("final: 2", "final: 1"))
+    mesh = "mesh: [{method: radau, degree: 4, segments: 4}]\n"
+    (tmp_path / "late.yaml").write_text(text.replace("final: 2", "final: 1") + mesh)
     result = tmp_path / "late.h5"
     assert run("solve", tmp_path / "late.yaml", "-q", "-o", result).exit_code == 0
     told = run("verify", result)
@@ -122,3 +124,20 @@ def test_what_moves_is_expanded_exactly(name, degree):
             assert A[m] @ scheme.sigma**k + G[m] * float(k == 1) == pytest.approx(
                 value, abs=1e-12 * degree ** (2 * m + 1)
             )
+
+
+def test_rows_move_only_where_a_time_that_they_read_is_free():
+    """A phase with delays whose times are given, before one of a free end that has none."""
+    text = """
+trajopt: 1
+time: {initial: 0}
+states: {x: {rate: u, initial: 0, history: 0}}
+controls: {u: {}}
+phases:
+  a: {time: {final: 1}, states: {x: {rate: "u - x(t - 0.25)"}}}
+  b: {time: {final: {lower: 1.5, upper: 3}}, states: {x: {final: 1}}}
+objective: {minimize: {integral: u**2}}
+"""
+    assert not has_moving(build(load_yaml(text)))
+    assert has_moving(build(load_yaml(text, ["phases.a.time.final={lower: 0.5, upper: 1.2}"])))
+    assert has_moving(build(load_yaml(text, ["phases.b.states.x.rate=u - x(t - 0.25)"])))

@@ -97,3 +97,19 @@ def test_the_shipped_chain():
     solution = trajopt.solve(trajopt.load("heated_rod"))
     assert solution.solved and not load(shipped()["heated_rod"]).warnings
     assert solution.objective == pytest.approx(load(shipped()["heated_rod"]).reference.objective, rel=1e-7)
+
+
+@pytest.mark.parametrize("template", ["x{i}_{j}", "x{i}", "x{6/(i-1)}", "sum"])
+def test_what_has_no_end_is_told_at_once(template):
+    """Two long ranges, which took all memory; a number that is none, in a key and in a sum."""
+    ranges = {"x{i}_{j}": "[i in 1..10000, j in 1..10000]", "x{i}": "i in 1..300000"}.get(template, "i in 1..3")
+    key = "x{i}" if template == "sum" else template
+    integral = "sum(i in 1..3, {1/(i-1)}*u)" if template == "sum" else "u**2"
+    text = (
+        f"trajopt: 1\ntime: {{initial: 0, final: 1}}\nstates:\n  {key}: {{for: {ranges}, rate: u}}\n"
+        f'controls: {{u: {{}}}}\nobjective: {{minimize: {{integral: "{integral}"}}}}\n'
+    )
+    with pytest.raises(SpecError) as error:
+        load_text(text, "x.yaml")
+    words = "more than 10000 entries" if "0000" in ranges else "is inf, no whole number"
+    assert any(words in mistake.what for mistake in error.value.mistakes)

@@ -11,6 +11,7 @@ from trajopt.problems.build import build
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.results.file.guess import guess_from
+from trajopt.results.file.summary import summarize
 from trajopt.results.verify import verify
 from trajopt.transcription.loading import build_checked, load_yaml
 from trajopt.transcription.settings import schedule_of
@@ -166,3 +167,36 @@ objective: {{minimize: {{{objective}}}}}
     times = solution.phases["b"].time
     assert solution.solved and times[-1] - times[0] < 1e-6
     assert solution.objective == pytest.approx(optimum or alone.objective, abs=1e-6)
+
+
+THREE = """
+trajopt: 1
+states: {x: {rate: u, initial: 0}}
+controls: {u: {}}
+phases: {a: {time: {initial: 0, final: 1}}, b: {time: {final: 3}}, c: {time: {final: 4}}}
+links:
+  - {from: a, to: b}
+  - {from: b, to: c, except: [x]}
+  - {name: gate, expression: "a.x[final]", equals: 2}
+  - {name: jump, expression: "c.x[initial] - b.x[final]", upper: 0.5}
+constraints:
+  boundary: [{name: reach, expression: "x[final]", lower: 4.5}, {name: idle, expression: "x[final]", upper: 9}]
+objective: {minimize: {integral: u**2}}
+mesh: [{method: METHOD, segments: 4}]
+"""
+
+
+@pytest.mark.parametrize("methods", ["radau", "runge-kutta-4", "phases.b.mesh.0.method=runge-kutta-4"])
+def test_conditions_between_phases_have_a_price(methods, tmp_path):
+    """J = g^2/1 + (r - j - g)^2/3 with g = 2, r = 4.5, j = 0.5: dJ/dg = 2g - 4/3, dJ/dr = 4/3 = -dJ/dj."""
+    own = [methods] if "=" in methods else []
+    text = THREE.replace("METHOD", "radau" if own else methods).replace(
+        "b: {", "b: {mesh: [{method: radau, segments: 3}], "
+    )
+    spec = loaded(text, *own)
+    solution = solved(text, *own)
+    exact = {"gate": 4 - 4 / 3, "jump": -4 / 3, "reach": 4 / 3, "idle": 0}
+    assert solution.prices_between == pytest.approx(exact, abs=1e-6)
+    summary = summarize(written(solution, spec, tmp_path))
+    assert summary["prices"] == pytest.approx(exact, abs=1e-6)
+    assert "gate" not in summary["phases"]["a"]["prices"]

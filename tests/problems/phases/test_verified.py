@@ -60,3 +60,30 @@ def test_verify_sees_a_broken_link(tmp_path):
         file["solver/z"][start_of_v] += 0.5
     (broken,) = [check for check in verify(path) if check.name.startswith("links")]
     assert not broken.passed and broken.where == "v from first to second"
+
+
+BRANCHES = """
+trajopt: 1
+states: {x: {rate: v}, v: {rate: u}}
+controls: {u: {}}
+phases:
+  out: {time: {initial: 0, final: WHEN}, states: {x: {initial: 0, final: 1}, v: {initial: 0}}}
+  probe: {time: {initial: WHEN, final: 3}, states: {x: {final: 2}, v: {final: 0}}}
+  spare: {time: {initial: WHEN, final: 5}, states: {x: {final: 1.5}}}
+  home: {time: {initial: WHEN, final: 4}, states: {x: {final: 0}, v: {final: 0}}}
+links: [{from: out, to: probe}, {from: out, to: spare}, {from: out, to: home}]
+objective: {minimize: {integral: u**2}}
+mesh: [{method: radau, segments: 4}]
+"""
+
+
+def test_where_phases_branch_the_hamiltonians_of_all_that_begin_are_added(tmp_path):
+    free = loaded(BRANCHES.replace("WHEN", "{lower: 0.1, upper: 2.9, guess: 1}"))
+    solution = solve(build(free), schedule_of(free))
+    name = "H goes on from out to probe and spare and home, relative"
+    checks = {check.name: check for check in verify(written(solution, free, tmp_path))}
+    assert checks[name].value < 1e-6 and all(check.passed for check in checks.values())
+    held = loaded(BRANCHES.replace("WHEN", "{lower: 0.6999, upper: 0.7001}"))
+    early = solve(build(held), schedule_of(held))
+    assert early.objective > solution.objective + 0.1
+    assert name in [check.name for check in verify(written(early, free, tmp_path)) if not check.passed]

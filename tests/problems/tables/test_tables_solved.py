@@ -155,8 +155,9 @@ def test_a_table_depends_on_its_arguments_wherever_its_points_are():
 
 
 def test_the_aeroplane_has_its_tables_in_its_equations():
-    (phase,) = problem_named("min_time_climb").phases
-    assert set(tables_of(phase)) == {"rho", "sound", "thrust", "CLalpha", "CD0", "eta"}
+    problem = problem_named("min_time_climb")
+    (phase,) = problem.phases
+    assert set(tables_of(problem)) == {"rho", "sound", "thrust", "CLalpha", "CD0", "eta"}
     assert [c.name for c in phase.path] == ["M of CD0", "h of thrust"]
     thrust = phase.outputs["T"].function({"h": np.array([0.0, 3048.0]), "v": np.array([0.0, 0.0])}, np)
     assert thrust == pytest.approx([24.2 * 4448.222, 20.3 * 4448.222])
@@ -166,7 +167,18 @@ def test_formulas_are_exported_with_tables_only_to_be_read(tmp_path):
     path = tmp_path / "t.yaml"
     path.write_text(text("u - f(2*v)", f=entry([0, 1, 2.4], lambda v: 0.1 * v)))
     export = [sys.executable, "-m", "trajopt.cli.main", "export", path]
+    linked = tmp_path / "linked.yaml"
+    link = 'links: [{from: a, to: b}, {expression: "f(a.x[final]) - b.x[initial]", equals: 0}]'
+    linked.write_text(
+        text(
+            "u", f"phases: {{a: {{time: {{final: 0.5}}}}, b: {{}}}}\n{link}\n", f=entry([0, 1, 2.4], lambda v: 0.1 * v)
+        )
+    )
     for suffix in (".nl", ".gms"):
+        ran = subprocess.run(
+            [*export[:-1], linked, tmp_path / f"t{suffix}"], capture_output=True, text=True, check=False
+        )
+        assert ran.returncode == 2 and f"the table f cannot be written to {suffix}" in ran.stderr
         ran = subprocess.run([*export, tmp_path / f"t{suffix}"], capture_output=True, text=True, check=False)
         assert ran.returncode == 2 and f"the table f cannot be written to {suffix}" in ran.stderr
         assert not (tmp_path / f"t{suffix}").exists()

@@ -13,7 +13,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.results.file.bounds import bounds_of
 from trajopt.results.file.read import read
 from trajopt.results.pictures.animate import scene
-from trajopt.results.pictures.overlay import CYCLE, overlay_figure, plane_figure
+from trajopt.results.pictures.overlay import CYCLE, overlay_figure, path_in_plane
 from trajopt.results.pictures.style import GREY
 from trajopt.transcription.loading import load_yaml
 
@@ -86,7 +86,7 @@ def test_film_and_poses(result, folder):
 
 
 def test_one_quantity_against_another_with_the_obstacles(result):
-    figure = plane_figure([read(result)], "x", "y")
+    figure = path_in_plane([read(result)], "x", "y")
     (ax,) = figure.axes
     assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_aspect()) == ("x [m]", "y [m]", 1)
     assert [patch.get_radius() for patch in ax.patches] == [0.2]
@@ -170,3 +170,12 @@ def test_mistakes(shape, place, words):
         load_yaml(FILE[: FILE.index("drawing:")] + f"drawing: [{shape}]\n", (), "d.yaml")
     told = [str(mistake) for mistake in error.value.mistakes]
     assert any(own.startswith(f"d.yaml:12: {place}: ") and words in own for own in told), told
+
+
+def test_a_drawing_has_the_numbers_of_its_phase(tmp_path):
+    text = PHASES.replace("time: {initial", "parameters: {r: 0.1}\ntime: {initial").replace(
+        "off: {}", "off: {parameters: {r: 0.3}}"
+    )
+    (tmp_path / "stages.yaml").write_text(text.replace("radius: 0.1", "radius: r").replace("[x, m]", "[x, 0]"))
+    drawn = scene(read(solved_once(tmp_path / "stages.h5", tmp_path / "stages.yaml")))
+    assert [pose.shapes[1].radius for pose in drawn.at(np.array([0.5, 1.5]))] == [0.1, 0.3]

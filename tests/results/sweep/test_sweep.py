@@ -222,7 +222,7 @@ def test_a_cluster_that_is_not_there(push, monkeypatch):
 
 
 def test_the_same_results_on_a_cluster(push):
-    """Bit for bit, though one of its workers is killed midway."""
+    """Bit for bit, and without a word, though one of its workers is killed midway."""
     distributed = pytest.importorskip("distributed")
     assert process(*GRID, "-q", "-o", "here").returncode == 0
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:

@@ -292,3 +292,22 @@ def test_the_table_explains_and_the_file_is_written(case, folder):
     assert sentence in result.stderr
     shown = trajopt("show", "bad.h5")
     assert shown.exit_code == 1 and sentence in shown.stdout
+
+
+@pytest.mark.parametrize(
+    "expression", ["sqrt(a.x[final] - 5) - b.x[initial]", "1/(a.x[final] - a.x[final])", "log(-1 - b.x[initial]**2)"]
+)
+def test_a_link_without_a_finite_value_is_told(expression, folder):
+    """It is between phases, and belongs to none."""
+    (folder / "x.yaml").write_text(f"""
+trajopt: 1
+time: {{initial: 0, final: 2}}
+states: {{x: {{rate: u, initial: 0, final: 1}}}}
+controls: {{u: {{}}}}
+phases: {{a: {{time: {{final: 1}}}}, b: {{}}}}
+links: [{{from: a, to: b}}, {{name: jump, expression: "{expression}", lower: -9}}]
+objective: {{minimize: {{integral: u**2}}}}
+""")
+    run = trajopt("solve", "x.yaml")
+    assert run.exit_code == 1
+    assert "link 'jump': " in run.stdout and "x[" in run.stdout.split("link 'jump': ")[1].splitlines()[0]

@@ -173,3 +173,22 @@ def test_threads_at_once_have_their_own_numbers():
     with ThreadPoolExecutor(3) as pool:
         assert list(pool.map(objective, masses)) == alone
     assert len(set(alone)) == len(masses)
+
+
+def test_a_link_and_a_boundary_constraint_of_one_name_are_no_form_of_each_other():
+    text = """
+trajopt: 1
+time: {initial: 0, final: 2}
+states: {x: {rate: u, initial: 0}}
+controls: {u: {}}
+phases: {a: {time: {final: 1}}, b: {}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: hermite-simpson, segments: 3}]
+"""
+    constraint = '{name: c, expression: "b.x[final] - a.x[initial]", equals: 1}'
+    kinds = []
+    for more in (f"links: [a, {constraint}]", f"constraints: {{boundary: [{constraint}]}}"):
+        spec = load_text(text + more.replace("[a, ", "[{from: a, to: b}, "), "x.yaml")
+        made = program(build(spec), [step.mesh() for step in schedule_of(spec)[0]], None)[0]
+        kinds.append(next(own.kind.name for own in made.families if own.name == "c"))
+    assert kinds == ["link", "ends"]

@@ -105,6 +105,12 @@ def test_a_solution_without_any_effect_is_told(folder):
     assert "u has no effect along this solution" in doubt
 
 
+def test_controls_of_phases_are_told_with_their_phase(folder):
+    summary = solved(folder, CUBE.replace("RATE", "u**3") + "phases: {one: {time: {final: 0.5}}, two: {}}\n")
+    assert summary["objective"] < 6
+    assert summary["notes"][0].startswith("u of phase one, u of phase two had no effect at the start of the file")
+
+
 def test_a_good_start_is_left_alone(folder):
     summary = json.loads(trajopt("solve", "brachistochrone", "--json").stdout)
     assert not summary["notes"]
@@ -112,7 +118,7 @@ def test_a_good_start_is_left_alone(folder):
 
 def test_a_problem_without_a_solution_says_that_other_starts_failed_too(folder):
     text = TOO_SHORT.replace("upper: 10}", "upper: 3}").replace("POS", "q").replace("VEL", "v").replace("FORCE", "u")
-    summary = solved(folder, text)
+    summary = solved(folder, text, "--method", "trapezoid", "--segments", "8")
     assert not summary["solved"]
     assert "other starts failed too" in summary["notes"][0]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from command_line import trajopt
 
-from trajopt.problems.phases.split import Part, why_not
+from trajopt.problems.phases.split import PhasePart, why_not
 from trajopt.problems.phases.split_each import split
 from trajopt.problems.quantities import Range
 from trajopt.results.file.write import write
-from trajopt.results.polish.polish import REFINED, TOLERANCE, Polished, _in_phases, polish
+from trajopt.results.polish.polish import MOST_ITERATIONS, REFINED, TOLERANCE, Polished, _in_phases, polish
 from trajopt.results.polish.signs import worth_of_leaving
 from trajopt.results.verify import verify
 from trajopt.transcription.arcs import LOWER, UPPER
@@ -134,14 +134,19 @@ def test_the_time_limit_is_that_of_both_solves(one):
 
 
 def test_arcs_that_shrink_to_nothing_are_left_out(one):
-    parts = [Part(0.5, {"u": UPPER}), Part(1.0, {"u": LOWER}), Part(1.5, {"u": UPPER}), Part(2.0, {"u": LOWER})]
+    parts = [
+        PhasePart(0.5, {"u": UPPER}),
+        PhasePart(1.0, {"u": LOWER}),
+        PhasePart(1.5, {"u": UPPER}),
+        PhasePart(2.0, {"u": LOWER}),
+    ]
     found = _in_phases(one, [parts], None, None)
     assert len(found.solution.trajectories) == 2 and found.solution.objective == pytest.approx(2, abs=1e-10)
 
 
 WRONG = [
-    ([Part(0.5, {"u": UPPER}), Part(2.0, {"u": UPPER})], "it is not solved"),
-    ([Part(1.2, {"u": UPPER}, {"x": UPPER}), Part(2.0, {"u": LOWER})], "in 2 phases"),
+    ([PhasePart(0.5, {"u": UPPER}), PhasePart(2.0, {"u": UPPER})], "it is not solved"),
+    ([PhasePart(1.2, {"u": UPPER}, {"x": UPPER}), PhasePart(2.0, {"u": LOWER})], "in 2 phases"),
 ]
 
 
@@ -163,7 +168,7 @@ def test_polish_is_dropped_where_a_fixed_control_should_leave_its_bound():
     """Nothing and then all is worse than what is best; with a bar so wide, the sign alone tells."""
     own = first(STOCK)
     wide = replace(own.solution, objective_error=replace(own.solution.objective_error, bar=10.0))
-    parts = [Part(9.6, {"h": LOWER}), Part(10.0, {"h": UPPER})]
+    parts = [PhasePart(9.6, {"h": LOWER}), PhasePart(10.0, {"h": UPPER})]
     assert "h should not be on its bound" in _in_phases(Polished(wide, own.spec), [parts], None, None)
 
 
@@ -172,10 +177,10 @@ def test_phases_of_a_file_say_what_is_fixed_held_and_freed():
         JERK.replace("mesh:", 'constraints: {path: [{expression: x, upper: 5}, {expression: "a*v", lower: -9}]}\nmesh:')
     )
     parts = [
-        Part(0.1, {"j": UPPER}, freed={"a": (LOWER, -9.0)}),
-        Part(0.5, held={"a": UPPER, "x": UPPER}),
-        Part(0.7, held={"a_v": LOWER}),
-        Part(2.6),
+        PhasePart(0.1, {"j": UPPER}, freed={"a": (LOWER, -9.0)}),
+        PhasePart(0.5, held={"a": UPPER, "x": UPPER}),
+        PhasePart(0.7, held={"a_v": LOWER}),
+        PhasePart(2.6),
     ]
     again = load_yaml(split(spec, {"main": parts}, TOLERANCE, REFINED))
     one, two, three, _ = again.phases.values()
@@ -206,3 +211,21 @@ def test_the_command_writes_phases_and_tells_the_structure(folder):
 def test_what_is_not_polished_is_written_all_the_same(folder):
     done = trajopt("solve", "block_move_min_force", "--polish", "-o", "b.h5")
     assert done.exit_code == 0 and "note        not polished: it has no switch" in done.stdout
+
+
+@pytest.mark.parametrize(("solver", "most"), [("", MOST_ITERATIONS), ("solver: {max_iter: 60}\n", 60)])
+def test_a_mesh_in_phases_has_a_limit_of_iterations(solver, most):
+    """The file's own stands where it is less."""
+    own = first(REST + solver)
+    new = polish(own.spec, own.solution)
+    assert len(new.solution.trajectories) == 2
+    assert new.spec.solver.options["max_iter"] == most
+
+
+def test_phases_that_would_take_more_iterations_are_told():
+    own = first("bryson_denham", "solver.max_iter=30")
+    assert own.solution.solved
+    few = replace(own, spec=load_file("bryson_denham", ["solver.max_iter=2"]))
+    new = polish(few.spec, few.solution)
+    assert new.solution.notes[-1].startswith("not polished: in 3 phases it is not solved (ran out of iterations")
+    assert new.solution.objective == own.solution.objective
