@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Sequence
 
 from ..refinement.goal import Goal
-from ..refinement.refine import refine
+from ..refinement.refine import Refinement, refine
 from ..settings import Refine
+from ..solution.error import ErrorProfile
 from ..solution.solution import Solution
 from ..transcribe import Planned
 
@@ -16,6 +17,9 @@ on the mesh before, if that is less; with more the engine takes the interpolated
 
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
+
+FIRST = Refine().tolerance
+"""Of the error of each segment: what comes before a finer goal for the error bar."""
 
 GAP_SHARE = 1e-3
 """Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave."""
@@ -37,6 +41,21 @@ def accuracy(refine: Refine | None) -> float:
     return asked.objective or asked.tolerance
 
 
+def _refined(solution: Solution, errors: Sequence[ErrorProfile], tolerance: float, merge: bool) -> list[Refinement]:
+    return [refine(*own, tolerance, merge) for own in zip(solution.trajectories, errors, strict=True)]
+
+
+def before_goal(solution: Solution, settings: Refine | None) -> bool:
+    """Whether a mesh is refined by the error of its segments first, for a finer goal to be gone for from there.
+
+    Until they meet FIRST the mesh closes in on switches; refined for the goal at once, it has many segments everywhere
+    and finds the switches no more.
+    """
+    if settings is None or settings.objective is None or settings.objective >= FIRST:
+        return False
+    return any(refinement.unmet for refinement in _refined(solution, solution.errors, FIRST, merge=False))
+
+
 def next_solve(
     step: Planned,
     solution: Solution,
@@ -54,11 +73,13 @@ def next_solve(
     tolerance: of the engine, on the last mesh.
     merge: as of `refine`.
     left: the number of meshes that may still come.
-    goal: for the error bar of the objective, in place of the error of the segments.
+    goal: for the error bar of the objective, in place of the error of the segments, but on meshes `before_goal`.
     """
     problem, meshes, solved_to = step
-    how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
-    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
+    if goal and not goal.reached and before_goal(solution, settings):
+        goal, settings, tolerance = None, Refine(FIRST, settings.max_meshes), max(tolerance, ENGINE_SHARE * FIRST)
+    wanted = goal.tolerance if goal else settings.tolerance
+    found = _refined(solution, goal.errors if goal else solution.errors, wanted, merge)
     unmet = tuple(segment for refinement in found for segment in refinement.unmet)
     if goal and goal.reached:
         unmet = ()
