@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import typer
 
 from ..problems.errors import FileError, Mistake, SpecError
+from ..problems.files import reason_of
 from ..transcription.loading import STDIN
 
 PIPED = "-"
@@ -80,7 +81,7 @@ def flushed_output() -> Iterator[None]:
         raise typer.Exit(0) from None
     except OSError as error:
         if error.filename is not None:  # of a file, not of the stream
-            what = f"it cannot be read or written ({(error.strerror or str(error)).lower()})"
+            what = f"it cannot be read or written ({reason_of(error)})"
             raise FileError(Mistake(os.fsdecode(error.filename), what, "check its name and its folder")) from error
         _discard_output()
         what = f"it cannot be written ({error.strerror})"

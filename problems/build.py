@@ -51,7 +51,8 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     if len(phases) > 1:
         phases = list(map(in_order, phases))
     specs = {name: builder.spec for name, builder in builders.items()}
-    phases = through_phases(shared, specs, symbols, phases)
+    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
+    phases = through_phases(shared, specs, symbols, phases, links)
     phases = with_times(phases)
     phases = finished(
         phases, specs, symbols, with_left_out(spec), shared_names(spec) if len(phases) > 1 else frozenset()
@@ -60,7 +61,6 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         before = before_in_time(spec)
         phases = with_delayed([replace(phase, before=before.get(phase.name, "")) for phase in phases])
     made = [own for builder in builders.values() for own in (*builder.times(), *builder.rewritten.parameters)]
-    links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     return Problem(
         name=spec.name,
         sense=1 if spec.objective.sense == "minimize" else -1,
@@ -131,7 +131,13 @@ class _Builder:
             algebraic=algebraic,
             delayed=tuple(map(self.delayed, symbols.delayed.values())),
             guess=initial_guess(
-                spec, symbols, states, (*controls, *algebraic), times=times, slack=rewritten.parameters
+                spec,
+                symbols,
+                states,
+                (*controls, *algebraic),
+                times=times,
+                boundary=written["boundary"],
+                slack=rewritten.parameters,
             ),
             residuals=self.residuals(),
             path=(*written["path"], *map(self.slack, rewritten.path), *self.signs(), *products),
@@ -272,7 +278,7 @@ class _Builder:
     def unsigned(self) -> set[str]:
         """The variables that are a or b of a pair: never negative, so they have a bound in place of a constraint."""
         symbols = self.symbols
-        names = {own.name for own in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+        names = {own.name for own in symbols.variables}
         return names & {own.text for entry in self.spec.complementarity for _, own in entry.sides}
 
     def slack(self, relation: Relation) -> Constraint:

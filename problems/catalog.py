@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import FileError, Mistake, SpecError
-from .files import check_writable, replacing
+from .files import check_writable, write_whole
 from .lean.records import dataclass
 from .text import did_you_mean, shorten
 
@@ -117,12 +117,10 @@ def start_new(name: str, source: str = TEMPLATE, force: bool = False) -> Path:
             check_writable(copy, force)
     title = target.stem if re.fullmatch(r"[A-Za-z][\w-]*", target.stem) else json.dumps(target.stem)
     text = _NAME.sub(lambda _: f"name: {title}", text, count=1)
-    with replacing(target) as temporary:
-        temporary.write_text(f"{text.rstrip()}\n", encoding="utf-8")
+    write_whole(target, f"{text.rstrip()}\n")
     for data, copy in copies.items():
         if data.is_file():
-            with replacing(copy) as temporary:
-                temporary.write_bytes(data.read_bytes())
+            write_whole(copy, data.read_bytes())
     return target
 
 

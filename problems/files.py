@@ -35,11 +35,11 @@ def check_writable(path: Path, force: bool = True) -> None:
             raise FileError(Mistake(where, "it is no ordinary file", "give the name of a file"))
         there = target.exists()
     except OSError as error:
-        raise FileError(Mistake(where, f"it cannot be written ({_why(error)})", "choose another name")) from error
+        raise FileError(Mistake(where, f"it cannot be written ({reason_of(error)})", "choose another name")) from error
     try:
         tempfile.TemporaryFile(dir=target.parent).close()
     except OSError as error:
-        what = f"its folder cannot be written ({_why(error)})"
+        what = f"its folder cannot be written ({reason_of(error)})"
         raise FileError(Mistake(where, what, "choose another folder")) from error
     if there and not force:
         raise FileError(Mistake(where, "the file exists", "choose another name, or replace it with --force"))
@@ -100,7 +100,7 @@ def check_ours(path: Path, force: bool, is_ours: Callable[[Path], bool], foreign
     try:
         ours = is_ours(path)
     except OSError as error:
-        what = f"it cannot be read ({(error.strerror or str(error)).lower()})"
+        what = f"it cannot be read ({reason_of(error)})"
         raise FileError(Mistake(str(path), what, "choose another file with -o")) from error
     if not ours:
         remedy = "choose another file with -o, or replace it with --force"
@@ -129,12 +129,18 @@ def replacing(path: Path) -> Iterator[Path]:
             os.fsync(written.fileno())
         temporary.replace(target)
     except OSError as error:
-        what = f"it cannot be written ({_why(error)})"
+        what = f"it cannot be written ({reason_of(error)})"
         raise FileError(Mistake(str(path), what, "choose another place, or make room there")) from error
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
             _temporaries.discard(temporary)
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file whole, a text as UTF-8, or leave the older one. Raises FileError."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 @cache
@@ -159,7 +165,8 @@ def _runs(process: int) -> bool:
     return True
 
 
-def _why(error: OSError) -> str:
+def reason_of(error: OSError) -> str:
+    """What the operating system says, as a part of a sentence."""
     return (error.strerror or str(error)).lower()
 
 

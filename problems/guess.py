@@ -7,12 +7,15 @@ from math import inf, isfinite
 
 import numpy as np
 
+from .guesses.conditions import conditioned
+from .guesses.observed import observed_rows
 from .guesses.rates import differentiated, integrated
 from .guesses.rows import Row, Span, combined, rows_of
 from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
 from .problem import Guess, Phase
-from .quantities import Function, Range, State, Variable
+from .quantities import Constraint, Function, Range, State, Variable
+from .schema.fields import Bounded
 from .schema.spec import Spec
 
 
@@ -23,15 +26,18 @@ def initial_guess(
     inputs: tuple[Variable, ...],
     *,
     times: tuple[Range, Range],
+    boundary: Sequence[Constraint] = (),
     slack: Sequence[Variable] = (),
 ) -> Guess:
     """The guess that the file asks for, but for what needs the dynamics or other phases (see `finished`).
 
     spec, symbols: the file without mistakes, its names and values.
-    states: of the problem, with their ranges at both ends; each gets a straight line, or what the file gives.
+    states: of the problem, with their ranges at both ends; each gets a straight line, what was measured of it, or what
+        the file gives.
     inputs: the controls, then the algebraic variables; each is zero, as near as its bounds allow, or what the file
         gives.
     times: ranges of the initial and of the final time, in the unit of time of the file.
+    boundary: constraints on both ends; one on a single value is about that end of the state.
     slack: static parameters that the file does not name. Like slack controls they start at zero (paper, 8.5).
     """
     first = middle(times[0], symbols.number(spec.time.initial.guess, inf))
@@ -40,12 +46,14 @@ def initial_guess(
         name: middle(symbols.range(static), symbols.number(static.guess, inf)) for name, static in spec.optimize.items()
     }
     both = np.array([0.0, 1.0])
-    asked = {s.name: (symbols.range(s.entry.initial), symbols.range(s.entry.final)) for s in symbols.states}
+    asked = asked_ends(symbols, conditioned(boundary))
     rows = {state.name: Row(both, np.array(ends(state, *asked[state.name]))) for state in states}
     rows |= {variable.name: Row(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
+    span = Span(first, last, times[0].fixed and times[1].fixed)
+    rows |= observed_rows(spec, symbols, rows.keys(), span, asked)
     rows |= {name: Row(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
     rows |= {name: _formula(symbols.function(e), first, last, parameters) for name, e in spec.guess.formulas.items()}
-    given = rows_of(spec.guess, symbols.number, Span(first, last, times[0].fixed and times[1].fixed))
+    given = rows_of(spec.guess, symbols.number, span)
     rows |= {name: row for name, row in given.items() if name in rows}  # a file may have columns of something else
     s, values = combined(rows, both)
     return Guess(
@@ -55,6 +63,23 @@ def initial_guess(
         values=values,
         parameters=parameters | {parameter.name: parameter.bounds.clip(0.0) for parameter in slack},
     )
+
+
+def asked_ends(symbols: Symbols, conditions: Mapping[str, Range]) -> dict[str, tuple[Range, Range]]:
+    """Name of each state -> what the file asks for at its ends, without its bounds.
+
+    symbols: of the phase.
+    conditions: on values at its ends, as of `conditioned`.
+    """
+
+    def of(name: str, entry: Bounded | None, end: str) -> Range:
+        asked = symbols.range(entry)
+        both = asked.intersection(conditions.get(f"{name}[{end}]", Range()))
+        return both if both.lower <= both.upper else asked
+
+    return {
+        s.name: (of(s.name, s.entry.initial, "initial"), of(s.name, s.entry.final, "final")) for s in symbols.states
+    }
 
 
 def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> Row:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from .checks.phases import check_spec
 from .checks.repair import repair
 from .errors import FileError, Mistake, SpecError
-from .files import PIPES
+from .files import PIPES, reason_of
 from .language.conditions import write_conditions
 from .loading.left_out import empty_bounds
 from .loading.options import OptionCheck, refused_options, unsafe_options
@@ -25,7 +25,7 @@ from .schema.tables import called_names
 from .tables.files import read_files
 from .yaml.document import MAX_BYTES, decode, dotted, read_document
 from .yaml.document import Path as Place
-from .yaml.locations import Finding, Locations
+from .yaml.locations import UNUSED, Finding, Locations
 
 MoreChecks = Callable[[Spec], tuple[list[Finding], list[Finding]]]
 """A spec, in which other mistakes may be left -> mistakes and warnings that only some ask for."""
@@ -91,7 +91,7 @@ def load_text(
     if errors or early:
         raise SpecError(locations.mistakes(early + errors))
     unused = {("parameters", name) for name in repeated.counted | made.counted}
-    told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or "nowhere" not in w.what]
+    told = [w for w in (*warnings, *empty_bounds(data)) if w.path not in unused or w.kind != UNUSED]
     return spec.attach(text, locations, told)
 
 
@@ -163,8 +163,8 @@ def read_text(path: Path) -> str:
         with path.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise FileError(Mistake(str(path), f"the file cannot be read ({reason})", "check its permissions")) from error
+        what = f"the file cannot be read ({reason_of(error)})"
+        raise FileError(Mistake(str(path), what, "check its permissions")) from error
     if content.startswith(b"\x89HDF"):
         what = "this is a result, not a problem file"
         remedy = (

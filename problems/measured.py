@@ -87,6 +87,6 @@ def _numbers(column: list[float | None]) -> np.ndarray:
 
 def _unit(name: str, symbols: Symbols, spec: Spec) -> str:
     """That of the state or the named expression that is measured by itself."""
-    varying = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    varying = symbols.variables
     units: Mapping[str, str] = {variable.name: variable.unit for variable in varying}
     return units.get(name) or (spec.expressions[name].unit if name in spec.expressions else "")

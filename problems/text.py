@@ -21,6 +21,16 @@ SAMPLED = 100
 FEWEST, MOST = 4, 10
 """Significant digits of a value with an error bar."""
 
+_COMPARED = re.compile("(<=|>=|==|<|>|=)")
+SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
+"""What a sign makes of its right side: a bound of the left one."""
+
+
+def compared(text: str) -> tuple[list[str], list[str]]:
+    """The sides of a comparison, and the signs between them."""
+    parts = _COMPARED.split(text)
+    return [side.strip() for side in parts[::2]], parts[1::2]
+
 
 def tidy(text: str) -> str:
     """The text on one line with single spaces (folded YAML scalars carry line breaks)."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import yaml
 
 from ..problems.catalog import files_of
-from ..problems.files import check_writable, replacing
+from ..problems.files import check_writable, write_whole
 from ..problems.yaml.document import read_document
 from ..problems.yaml.overrides import as_text, override
 from .file.read import read
@@ -27,8 +27,7 @@ def write_problem(source: Path, target: Path, force: bool = False) -> None:
     """
     text = problem_text(source)
     check_writable(target, force)
-    with replacing(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_whole(target, text)
 
 
 def problem_text(source: Path) -> str:

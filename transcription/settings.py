@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -105,6 +105,15 @@ class Settings:
     seconds: float | None = None
     starts: int = 0
     seed: int = 0
+
+    def within(self, iterations: int | None) -> Settings:
+        """With so many iterations at most; as they are for None, or if they say how many themselves.
+
+        iterations: of IPOPT.
+        """
+        if iterations is None or self.engine != "ipopt" or "max_iter" in self.options:
+            return self
+        return replace(self, options={**self.options, "max_iter": iterations})
 
 
 DEFAULT = Settings()

@@ -11,13 +11,13 @@ from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.kept import Candidates, Kept
 from .again.next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, before_goal, next_solve
-from .again.same_mesh import from_lower, sharpened, with_short_turns
+from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
 from .again.tightened import tightened
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
 from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
-from .one_mesh import Found, Origin, in_place, solve_mesh
+from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
 from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
 from .refinement.chatter import Damping, chatter
@@ -178,8 +178,13 @@ class _Loop:
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
-        run, watch = solve_mesh if number else solve_first_mesh, self._watch()
-        found = run(*self.steps[number], self.settings, start, watch)
+        watch = self._watch()
+        if number:
+            found = from_coarser(self.steps[number], self.settings, start, watch)
+        else:
+            found = solve_first_mesh(*self.steps[number], self.settings, start, watch)
+            problem, _, tolerance = self.steps[number]
+            self.steps[number] = problem, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
         found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
@@ -206,11 +211,9 @@ class _Loop:
         damping = solved.damping.joined(rough, solution.objective)
         if len(damping.controls) == len(solved.damping.controls):
             damping, self.weakest = damping.stronger(), True
-        calm = solve_mesh(*self.steps[number], self.settings, Origin(solution.trajectories, None, damping), watch)
-        if not calm[0].status.may_replace(solution.status) or left_basin(solution, calm[0]):
-            self.rough = True
-            return found
-        return in_place(found, calm)
+        calm = with_damping(self.steps[number], self.settings, found, damping, watch)
+        self.rough = calm is None
+        return calm or found
 
     def _damping(self, found: Found) -> Damping:
         """For the next solve: weaker if the mesh is good, but the damping worth more than its share of the accuracy."""

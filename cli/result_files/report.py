@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ...problems.files import write_whole
 from ..errors import command
 from ..options import Force, Quiet
 from ..output.progress import live_text
@@ -42,14 +43,14 @@ def report(
     """
     targets = [path for (path,) in targets_of(list(map(_named, sources)), output, [".html"])]
 
-    from ...results.report.page import check_page, write_page
+    from ...results.report.page import check_page
 
     for path in targets:
         check_page(path, force)
     for source, path in zip(sources, targets, strict=True):
         with live_text(f"reporting {source}", not quiet):
             text = _sweep(source) if source.is_dir() else _result(source, not no_verify)
-        write_page(path, text)
+        write_whole(path, text)
         if not quiet:
             print(path)
 

@@ -45,7 +45,7 @@ def _side(symbols: Symbols, path: Path, side: str, root: Node, asked: Asked) -> 
         return
     if not isinstance(root, Name):
         return
-    for variable in (*symbols.states, *symbols.controls, *symbols.algebraic):
+    for variable in symbols.variables:
         if variable.name != root.name:
             continue
         ends = {"its bounds end": asked(variable.path, variable.entry)}

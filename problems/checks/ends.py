@@ -15,7 +15,7 @@ from ..names.occurrences import constraints
 from ..names.symbols import Symbols
 from ..quantities import Range
 from ..schema.spec import Spec
-from ..yaml.locations import Finding
+from ..yaml.locations import UNUSED, Finding
 
 ROUNDING = 1e-9
 """Of 1 + |bound|: by less than this a constraint may be missed, since values are computed."""
@@ -106,4 +106,6 @@ def idle_histories(symbols: Symbols) -> Iterator[Finding]:
     for state in symbols.states:
         if state.entry.history is not None and state.name not in asked:
             what = f"the history of {state.name} is used nowhere"
-            yield Finding((*state.path, "history"), what, f"remove it, or write {state.name}(t - tau) in an expression")
+            yield Finding(
+                (*state.path, "history"), what, f"remove it, or write {state.name}(t - tau) in an expression", UNUSED
+            )

@@ -30,7 +30,7 @@ def guess_mistakes(spec: Spec, symbols: Symbols, times: tuple[Range | None, Rang
     times: ranges of its initial and its final time, None where mistaken.
     """
     guess = spec.guess
-    known = [own.name for own in (*symbols.states, *symbols.controls, *symbols.algebraic)]
+    known = [own.name for own in symbols.variables]
     yield from misnamed(guess, known, "a state or a control, nor an algebraic variable")
     yield from _twice(guess)
     yield from uneven(guess)

@@ -7,7 +7,7 @@ from math import isfinite
 
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
-from ..expressions.tree import Operation, nodes
+from ..expressions.tree import Operation
 from ..language.times import TimeParameter
 from ..measured import compared
 from ..names.occurrences import measured_path
@@ -202,9 +202,7 @@ def _functions(entry: MeasuredEntry, path: Path, symbols: Symbols) -> Iterator[F
             yield Finding(place, what, f"make {others[0]} a state, and its rate the control")
         elif not names & (states | symbols.static):
             yield Finding(place, "this depends on nothing that is to be found", "compare with states or parameters")
-        function = symbols.function(expression)
-        roots = [expression.root, *(definition.root for definition, _ in function.steps.values())]
-        for node in (node for root in roots for node in nodes(root)):
+        for node in (node for part in symbols.function(expression).parts for node in part.nodes):
             if isinstance(node, Operation) and is_inconsistent(node.symbol) and not symbols.is_constant(node):
                 what = f"{node.symbol} is not smooth"
                 yield Finding(place, what, "write it smooth, such as sqrt(y**2 + 1e-6) for abs(y)")

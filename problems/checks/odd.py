@@ -13,7 +13,7 @@ from ..names.occurrences import constraints
 from ..names.roles import ALGEBRAIC, CONTROL, TABLE
 from ..names.symbols import Symbols
 from ..schema.spec import Spec
-from ..yaml.locations import Finding
+from ..yaml.locations import UNUSED, Finding
 
 DEGREES = frozenset(("deg", "degs", "degree", "degrees", "°"))
 _ANGLED = frozenset(("sin", "cos", "tan", "cot", "sec", "csc"))
@@ -27,16 +27,11 @@ def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     yield from _degrees(spec, symbols)
 
 
-def _in(expression: Expression, symbols: Symbols) -> list[Expression]:
-    """An expression and all definitions that it needs."""
-    return [expression, *(definition for definition, _ in symbols.function(expression).steps.values())]
-
-
 def _moves_nothing(symbols: Symbols) -> Iterator[Finding]:
     """Controls that stand in the objective at most."""
     named, used = set[str](), set[str]()
     for use in symbols.uses:
-        names = {leaf.name for part in _in(use.expression, symbols) for leaf in part.leaves}
+        names = {leaf.name for part in symbols.function(use.expression).parts for leaf in part.leaves}
         used |= names
         if use.path[0] in ("states", "residuals", "constraints"):
             named |= names
@@ -70,10 +65,10 @@ def _in_no_time(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         return
     if symbols.function(terms.terminal).names - {"t[initial]"} != {"t[final]"}:
         return
-    limited = {
-        leaf.name for _, own in constraints(spec) for part in _in(own.expression, symbols) for leaf in part.leaves
-    }
-    rates = [part.root for state in symbols.states if (own := _rate(state.entry)) for part in _in(own, symbols)]
+    held = [part for _, own in constraints(spec) for part in symbols.function(own.expression).parts]
+    limited = {leaf.name for part in held for leaf in part.leaves}
+    given = filter(None, (_rate(state.entry) for state in symbols.states))
+    rates = [part.root for own in given for part in symbols.function(own).parts]
     for control in symbols.controls:
         bounds = symbols.range(control.entry)
         free = bounds.lower == -inf and bounds.upper == inf and control.name not in limited
@@ -100,7 +95,7 @@ def _acts_without_bound(root: Node, name: str) -> bool:
 
 def _degrees(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Angles in degrees that stand as they are under sin, cos and the like."""
-    variables = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    variables = symbols.variables
     angles = {own.name: own.path for own in variables if _unit(own.entry) in DEGREES}
     angles |= {name: ("parameters", name) for name, own in spec.parameters.items() if own.unit.strip() in DEGREES}
     told = set()
@@ -157,4 +152,4 @@ def unused(spec: Spec, symbols: Symbols, called: Iterable[str] = ()) -> Iterator
     for name, role in symbols.roles.items():
         if role in _USED and name not in named | outputs:
             what = f"the {role} {name} is used nowhere"
-            yield Finding((_USED[role], name), what, "remove it, or use it in an expression")
+            yield Finding((_USED[role], name), what, "remove it, or use it in an expression", UNUSED)

@@ -23,7 +23,7 @@ from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
-from ..yaml.locations import Finding
+from ..yaml.locations import OPEN_TIME, UNUSED, Finding
 from .guesses import computed_guess, misnamed, uneven, unordered
 from .names import check_names
 from .values import NO_STATES, check_phase
@@ -65,7 +65,7 @@ def check_spec(spec: Spec, whole: bool = True) -> tuple[list[Finding], list[Find
         return errors, []
     own = phase_specs(spec)
     if open_ends:
-        errors = [*open_ends, *(error for error in errors if "is free in the open range" not in error.what)]
+        errors = [*open_ends, *(error for error in errors if error.kind != OPEN_TIME)]
     symbols = {name: Symbols(phase) for name, phase in own.items()}
     called = called_functions(spec)
     spec, mistaken_calls = shared_in_plain(spec)
@@ -268,7 +268,7 @@ def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding], ca
     for warning in warnings:
         seen[warning] = seen.get(warning, 0) + 1
     for warning, count in seen.items():
-        if not warning.what.endswith("is used nowhere"):
+        if warning.kind != UNUSED:
             yield warning
             continue
         owners = [phase for phase in own.values() if warning.path[-1] in getattr(phase, str(warning.path[-2]), {})]

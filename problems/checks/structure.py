@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..chains.check import value_mistakes
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK
-from ..expressions.tree import leaves, rate_of
+from ..expressions.tree import rate_of
 from ..names.occurrences import constraints
 from ..names.symbols import UNKNOWN, Symbols
 from ..nonsmooth.rewrite import consistent, untreated
@@ -65,7 +65,7 @@ def scaling_mistakes(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     if not isinstance(spec.scaling, dict):
         return
     slack = consistent(spec, symbols) if spec.nonsmooth else None
-    variables = (*symbols.states, *symbols.controls, *symbols.algebraic)
+    variables = symbols.variables
     known = [*(variable.name for variable in variables), *spec.optimize]
     known += [variable.name for variable in (*slack.controls, *slack.parameters)] if slack else []
     for name in spec.scaling:
@@ -102,7 +102,7 @@ class _Limited(NamedTuple):
 
 def _limited(spec: Spec, symbols: Symbols) -> Iterator[_Limited]:
     """All that has lower and upper."""
-    for declared in (*symbols.states, *symbols.controls, *symbols.algebraic):
+    for declared in symbols.variables:
         yield _Limited(declared.path, declared.entry, True)
     for path, owner in (*((state.path, state.entry) for state in symbols.states), (("time",), spec.time)):
         for end in ("initial", "final"):
@@ -159,6 +159,4 @@ def _high_index(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 
 def _names(expression: Expression, symbols: Symbols) -> set[str]:
     """The names in an expression and in the definitions that it uses."""
-    bound = symbols.function(expression)
-    trees = [bound.root, *(definition.root for definition, _ in bound.steps.values())]
-    return {name.name for root in trees for name in leaves(root)}
+    return {leaf.name for part in symbols.function(expression).parts for leaf in part.leaves}

@@ -21,7 +21,7 @@ _REMEDY = "change that, add points to the table, or write outside: hold or extra
 
 def beyond_tables(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     """Arguments of tables that cannot stay within the points; spec: otherwise without mistakes."""
-    variables = {v.name: v for v in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+    variables = {v.name: v for v in symbols.variables}
     for use in symbols.uses:
         if use.context not in SOLVED or use.path[0] == "expressions":
             continue

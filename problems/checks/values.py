@@ -12,7 +12,7 @@ from ..language.plain import in_plain
 from ..names.occurrences import BOUNDARY, CONSTANT, constraint_names, constraints, residual_names
 from ..names.size import too_large
 from ..names.symbols import Symbols, no_value
-from ..names.variables import Declared, DeclaredState
+from ..names.variables import DeclaredState
 from ..phases import timeless
 from ..phases.order import ALONE
 from ..quantities import Range
@@ -20,7 +20,7 @@ from ..schema.declarations import TimeEnd
 from ..schema.fields import Bounded
 from ..schema.spec import Spec
 from ..yaml.document import Path
-from ..yaml.locations import Finding
+from ..yaml.locations import OPEN_TIME, Finding
 from . import structure
 from .complementarity import complementarity_mistakes
 from .ends import contradictory_ends, delay_mistakes, idle_histories, impossible_at_ends
@@ -51,7 +51,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.varying_at_ends()
     if not spec.static:
         checker.time()
-    for declared in checker.declared():
+    for declared in checker.symbols.variables:
         checker.bounds(declared.path, declared.entry)
     for name, static in spec.optimize.items():
         checker.bounds(("optimize", name), static)
@@ -101,10 +101,6 @@ class _Checker:
 
     def warn(self, path: Path, what: str, remedy: str) -> None:
         self.warnings.append(Finding(path, what, remedy))
-
-    def declared(self) -> tuple[Declared, ...]:
-        """Every variable over time."""
-        return (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic)
 
     def constants(self) -> None:
         """Every constant has a finite value, and no expression divides by a constant zero."""
@@ -190,7 +186,8 @@ class _Checker:
             return None
         if entry.value is None and entry.guess is None and not (isfinite(bounds.lower) and isfinite(bounds.upper)):
             what = f"the {end} time is free in the open range {bounds}, so it needs a guess"
-            self.error(("time", end), what, f"add guess: with a likely value, in {self.spec.time.unit}")
+            remedy = f"add guess: with a likely value, in {self.spec.time.unit}"
+            self.errors.append(Finding(("time", end), what, remedy, OPEN_TIME))
             return None
         guess = self.numbers.get(("time", end, "guess"), (bounds.lower + bounds.upper) / 2)
         self.inside(("time", end, "guess"), [guess], bounds)
@@ -219,7 +216,7 @@ class _Checker:
 
     def data(self) -> None:
         """Names, lengths and times of the guess and of measurements; guessed values lie inside the bounds."""
-        guess, declared = self.spec.guess, {variable.name: variable for variable in self.declared()}
+        guess, declared = self.spec.guess, {variable.name: variable for variable in self.symbols.variables}
         times = (
             self.range(("time", "initial"), self.spec.time.initial),
             self.range(("time", "final"), self.spec.time.final),

@@ -106,8 +106,7 @@ class Expression:
     @cached_property
     def constants(self) -> frozenset[str]:
         """The parameters that stand in the expression or in a definition that is needed."""
-        own = (self, *(definition for definition, _ in self.steps.values()))
-        return frozenset(leaf.name for part in own for leaf in part.leaves) & self.parameters.keys()
+        return frozenset(leaf.name for part in self.parts for leaf in part.leaves) & self.parameters.keys()
 
     @cached_property
     def steps(self) -> dict[str, tuple[Expression, str | None]]:
@@ -125,6 +124,11 @@ class Expression:
             graph[key] = sorted(self._keys(definition, end))  # a set has another order in each process
             waiting += [(n.name, end) for n in definition.leaves]
         return {key: found[key] for key in TopologicalSorter(graph).static_order() if key in found}
+
+    @cached_property
+    def parts(self) -> tuple[Expression, ...]:
+        """The expression and the definitions that it needs."""
+        return (self, *(definition for definition, _ in self.steps.values()))
 
     def _keys(self, part: Expression, end: str | None) -> set[str]:
         return {self.key(n.name, n.end or end) for n in part.leaves}

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-_COMPARED = re.compile(r"\s*(<=|>=|==|<|>|=)\s*")
-_SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
+from ..text import SIDES, compared
+
 _TURNED = {"upper": "lower", "lower": "upper", "equals": "equals"}
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*(?!\w*\s*\()")
 _BOUNDS = ("lower", "upper", "equals")
@@ -57,18 +57,18 @@ def _written_out(item: Any, fixed: set[str]) -> Any:
 
 def _parts(text: str, fixed: set[str]) -> dict[str, Any] | None:
     """The expression and the bounds of a text; None if it is no condition."""
-    sides, signs = [side.strip() for side in _COMPARED.split(text)[::2]], _COMPARED.findall(text)
+    sides, signs = compared(text)
     known = [not {*_NAME.findall(side)} - fixed for side in sides]
     if not all(sides) or len(signs) not in (1, 2):
         return None
     if len(signs) == 1:
-        (left, right), side = sides, _SIDES[signs[0]]
+        (left, right), side = sides, SIDES[signs[0]]
         if known[1]:
             return {"expression": left, side: right}
         if known[0]:
             return {"expression": right, _TURNED[side]: left}
         return {"expression": f"{left} - ({right})", side: 0}
-    first, second = (_SIDES[sign] for sign in signs)
+    first, second = (SIDES[sign] for sign in signs)
     if first != second or first == "equals" or known != [True, False, True]:
         return None
     return {"expression": sides[1], _TURNED[first]: sides[0], second: sides[2]}

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Name, Node, below, rebuilt
-from ..schema.fields import Entry, held
+from ..schema.fields import Entry, expressions_below
 from ..schema.spec import Spec
 from ..yaml.document import Path
 
@@ -23,14 +23,7 @@ Change = Callable[[Path, Expression], Expression]
 def expressions_of(spec: Spec) -> Iterator[tuple[Path, Expression]]:
     """Every expression with its path, in the long form of values: ("expressions", "D", "value")."""
     for section in SECTIONS:
-        yield from _below((section,), getattr(spec, section))
-
-
-def _below(path: Path, value: Any) -> Iterator[tuple[Path, Expression]]:
-    if isinstance(value, Expression):
-        yield path, value
-    for key, inner in held(value):
-        yield from _below((*path, key), inner)
+        yield from expressions_below(getattr(spec, section), (section,))
 
 
 def changed(spec: Spec, change: Change) -> Spec:

@@ -95,8 +95,8 @@ def tables_of(problem: Problem) -> list[str]:
     measured = (entry.function for phase in problem.phases for entry in phase.measured)
     for function in (*own, *measured, *problem.between):
         if isinstance(function, Expression):
-            trees = (function.root, *(definition.root for definition, _ in function.steps.values()))
-            found |= dict.fromkeys(node.table for root in trees for node in nodes(root) if isinstance(node, Lookup))
+            looked_up = (node for part in function.parts for node in part.nodes if isinstance(node, Lookup))
+            found |= dict.fromkeys(node.table for node in looked_up)
     return list(found)
 
 

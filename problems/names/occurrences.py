@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..schema.declarations import Residual
-from ..schema.fields import Entry, held
+from ..schema.fields import Entry, expressions_below, held
 from ..schema.phases import LinkEntry
 from ..schema.sections import ConstraintEntry
 from ..schema.spec import Spec
@@ -53,7 +53,7 @@ def uses(spec: Spec) -> Iterator[Use]:
     for term, context in (("integral", TRAJECTORY), ("terminal", BOUNDARY)):
         if expression := getattr(spec.objective.terms, term):
             yield Use(("objective", spec.objective.sense, term), expression, context)
-    for path, expression in _drawn(spec.drawing, ("drawing",)):
+    for path, expression in expressions_below(spec.drawing, ("drawing",)):
         yield Use(path, expression, TRAJECTORY)
     yield from _complementary(spec)
     for path, constraint in constraints(spec):
@@ -114,14 +114,6 @@ def _constants(value: object, path: Path) -> Iterator[Use]:
     for key, item in held(value):
         if not (isinstance(value, Entry) and key in _NO_CONSTANTS):
             yield from _constants(item, (*path, key))
-
-
-def _drawn(value: object, path: Path) -> Iterator[tuple[Path, Expression]]:
-    """The expressions of a drawing."""
-    if isinstance(value, Expression):
-        yield path, value
-    for key, item in held(value):
-        yield from _drawn(item, (*path, key))
 
 
 def constraint_names(spec: Spec) -> list[str]:

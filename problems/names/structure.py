@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
-from ..expressions.tree import Lookup, Node, Operation, below, leaves, nodes
+from ..expressions.tree import Lookup, Node, Operation, below, leaves
 from ..quantities import Function
 
 
@@ -42,16 +42,15 @@ def form_of(functions: Iterable[Function | None], values_only: bool = False) -> 
         if not isinstance(function, Expression):
             shapes.append(function)
             continue
-        roots = [function.root, *(definition.root for definition, _ in function.steps.values())]
         shapes.append((function.root, *((key, d.root) for key, (d, _) in function.steps.items())))
-        looked_up = {node.table for root in roots for node in nodes(root) if isinstance(node, Lookup)}
+        looked_up = {node.table for part in function.parts for node in part.nodes if isinstance(node, Lookup)}
         shapes += [(name, function.tables[name].content) for name in sorted(looked_up)]
         for name in sorted(function.constants):
             value = function.parameters[name]
             if numbers.setdefault(name, value) != value or not (value or values_only):
                 literal.add(name)
                 shapes.append((name, value))
-        literal |= _literal(function, roots, values_only)
+        literal |= _literal(function, [part.root for part in function.parts], values_only)
     data = {name: value for name, value in numbers.items() if name not in literal}
     fixed = tuple((name, numbers[name]) for name in sorted(literal & numbers.keys()))
     return Form((tuple(shapes), fixed, tuple(sorted(data))), data)

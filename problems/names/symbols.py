@@ -30,6 +30,7 @@ from .roles import (
     VARYING,
 )
 from .troubles import Troubles
+from .variables import Declared
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
@@ -118,6 +119,11 @@ class Symbols:
         self.roles |= dict.fromkeys(self.delayed, DELAYED)
         self._check_all_names(own)
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
+
+    @property
+    def variables(self) -> tuple[Declared, ...]:
+        """States, controls and algebraic variables."""
+        return (*self.states, *self.controls, *self.algebraic)
 
     def sound(self, path: Path, expression: Expression) -> bool:
         """Whether the expression refers only to what is known, so that it can be evaluated."""

@@ -19,7 +19,8 @@ from typing import NamedTuple
 from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, rebuilt
+from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, placed, rebuilt
+from ..language.walk import mapped
 from ..lean.records import dataclass
 from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names
 from ..names.symbols import Symbols
@@ -285,16 +286,12 @@ def _extreme(node: Operation, operands: tuple[Node, ...], sums: list[Node]) -> N
 
 def _moved(tree: Node, name: Name, varies: Callable[[str], bool]) -> Node:
     """A tree in the place of a name: varying names in it are taken at the end that the name is taken at."""
-    if isinstance(tree, Name):
-        return replace(name, name=tree.name, end=name.end if varies(tree.name) else None)
-    new = rebuilt(tree, [_moved(node, name, varies) for node in below(tree)])
-    if isinstance(new, Chain):
-        new = replace(new, links=tuple(replace(link, start=name.start, stop=name.stop) for link in new.links))
-    return replace(new, start=name.start, stop=name.stop)
+    here = placed(tree, name.start, name.stop)
+    return mapped(here, lambda own: replace(own, end=name.end if varies(own.name) else None))
 
 
 def _ranges(spec: Spec, symbols: Symbols) -> dict[str, Range]:
     """The ranges of the values of every name that has bounds."""
-    ranges = {v.name: symbols.range(v.entry) for v in (*symbols.states, *symbols.controls, *symbols.algebraic)}
+    ranges = {v.name: symbols.range(v.entry) for v in symbols.variables}
     ranges |= {name: symbols.range(static) for name, static in spec.optimize.items()}
     return ranges | {"t": Range(symbols.range(spec.time.initial).lower, symbols.range(spec.time.final).upper)}

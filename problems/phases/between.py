@@ -6,11 +6,11 @@ initial time of the first phase that has it, or at the final time of the last.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Link, Name, Node, below, rebuilt
+from ..expressions.tree import Chain, Link, Name, Node
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
@@ -42,7 +42,7 @@ class Between:
 
     def function(self, expression: Expression) -> Expression:
         """The expression, without mistakes, as a `problem.Function` of the values at the ends of all phases."""
-        root = _renamed(mapped(expression.root, self._summed), self._resolved)
+        root = mapped(mapped(expression.root, self._summed), self._resolved)
         shared = self.shared
         return replace(expression, root=root).bind(self.numbers, self.definitions, self.static, shared.tables)
 
@@ -141,11 +141,4 @@ def _has_one_value(name: Name) -> tuple[str, str]:
 
 
 def _prefixed(root: Node, phase: str, static: frozenset[str]) -> Node:
-    return _renamed(root, lambda name: name if name.name in static else replace(name, name=f"{phase}.{name.name}"))
-
-
-def _renamed(root: Node, new: Callable[[Name], Name]) -> Node:
-    """A tree with other names."""
-    if isinstance(root, Name):
-        return new(root)
-    return rebuilt(root, [_renamed(node, new) for node in below(root)])
+    return mapped(root, lambda name: name if name.name in static else replace(name, name=f"{phase}.{name.name}"))

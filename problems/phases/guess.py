@@ -1,7 +1,8 @@
 """The guess of what goes on through several phases.
 
 Keyframes of the top level are about the whole trajectory: each phase has its part. A state without them is linear from
-each known value to the next; known are the values that are asked for at the ends, and those that phases guess.
+each known value to the next; known are the values that are asked for at the ends, and those that phases guess, or
+measure.
 """
 
 from __future__ import annotations
@@ -13,17 +14,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..guess import middle
+from ..guess import asked_ends, middle
+from ..guesses.conditions import conditioned
 from ..guesses.rows import Row, Span, combined, rows_of
 from ..names.symbols import Symbols
 from ..problem import Phase
-from ..quantities import Range
+from ..quantities import Constraint, Range
 from ..schema.spec import Spec
 from .order import Passage, goes_on_in_time, passages
 
 
 def through_phases(
-    spec: Spec, own: Mapping[str, Spec], symbols: Mapping[str, Symbols], phases: Sequence[Phase]
+    spec: Spec,
+    own: Mapping[str, Spec],
+    symbols: Mapping[str, Symbols],
+    phases: Sequence[Phase],
+    links: Sequence[Constraint],
 ) -> list[Phase]:
     """The phases, guesses of what goes on through them made one, where phases give none of their own.
 
@@ -31,20 +37,27 @@ def through_phases(
     own: the spec of each phase.
     symbols: of each phase.
     phases: with the guess that each would have by itself.
+    links: conditions on the ends of several; one on a single value is about that end of the state.
     """
     if len(phases) == 1:
         return list(phases)
     by_name = {phase.name: phase for phase in phases}
     guessed = {name: entry.guess.named.keys() for name, entry in own.items()}
+    settled = {phase.name: {*guessed[phase.name], *(m.expression for m in phase.measured)} for phase in phases}
     ways = [passage for passage in passages(spec) if goes_on_in_time(spec, passage)]
-    framed = shared_names(spec)
+    framed, between = shared_names(spec), conditioned(links)
+    asked = {
+        phase.name: asked_ends(symbols[phase.name], _of_phase(between, phase) | conditioned(phase.boundary))
+        for phase in phases
+    }
     for phase in phases:
         for state in phase.states:
             chain = [by_name[link] for link in _chain(state.name, phase.name, by_name, ways)]
-            if len(chain) > 1 and state.name not in framed:
-                known = [state.name in guessed[link.name] for link in chain]
-                for name, ends in _curves(state.name, chain, symbols, known):
-                    if state.name not in guessed[name]:
+            if chain and state.name not in framed:
+                known = [state.name in settled[link.name] for link in chain]
+                wanted = [asked[link.name][state.name] for link in chain]
+                for name, ends in _curves(state.name, chain, wanted, known):
+                    if state.name not in settled[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
     first, last = phases[0], phases[-1]
     fixed = first.initial_time.fixed and last.final_time.fixed
@@ -81,10 +94,10 @@ class _Knot(NamedTuple):
 
 
 def _curves(
-    state: str, chain: Sequence[Phase], symbols: Mapping[str, Symbols], guessed: Sequence[bool]
+    state: str, chain: Sequence[Phase], wanted: Sequence[tuple[Range, Range]], guessed: Sequence[bool]
 ) -> Iterator[tuple[str, tuple[float, float]]]:
     """(phase, its initial and final value) along a chain: known values, and straight lines over time between them."""
-    knots = list(_knots(state, chain, symbols, guessed))
+    knots = list(_knots(state, chain, wanted, guessed))
     known = [(knot.time, knot.value) for knot in knots if knot.value is not None]
     if not known:
         return
@@ -94,20 +107,21 @@ def _curves(
 
 
 def _knots(
-    state: str, chain: Sequence[Phase], symbols: Mapping[str, Symbols], guessed: Sequence[bool]
+    state: str, chain: Sequence[Phase], wanted: Sequence[tuple[Range, Range]], guessed: Sequence[bool]
 ) -> Iterator[_Knot]:
     asked = []
-    for phase, own in zip(chain, guessed, strict=True):
-        row, wanted = phase.guess.values[state], _asked(symbols[phase.name], state)
-        asked.append((float(row[0]), float(row[-1])) if own else tuple(map(_value, wanted)))
+    for phase, ends, own in zip(chain, wanted, guessed, strict=True):
+        row = phase.guess.values[state]
+        asked.append((float(row[0]), float(row[-1])) if own else tuple(map(_value, ends)))
     yield _Knot(chain[0].guess.initial_time, asked[0][0])
     for phase, (_, final), following in zip(chain, asked, [*asked[1:], (None, None)], strict=True):
         yield _Knot(phase.guess.final_time, following[0] if final is None else final)
 
 
-def _asked(symbols: Symbols, name: str) -> tuple[Range, Range]:
-    entry = next(state.entry for state in symbols.states if state.name == name)
-    return symbols.range(entry.initial), symbols.range(entry.final)
+def _of_phase(conditions: Mapping[str, Range], phase: Phase) -> dict[str, Range]:
+    """The conditions on values of one phase, named as in the phase."""
+    of = f"{phase.name}."
+    return {name.removeprefix(of): own for name, own in conditions.items() if name.startswith(of)}
 
 
 def _value(asked: Range) -> float | None:

@@ -20,7 +20,7 @@ from ..language.means import place_of_mean
 from ..language.plain import in_plain
 from ..schema.declarations import StateEntry, Time, TimeEnd, Velocity
 from ..schema.drawing import ShapeEntry
-from ..schema.fields import Entry
+from ..schema.fields import Entry, expressions_below
 from ..schema.phases import PhaseEntry
 from ..schema.sections import Constraints, GuessEntry, Objective, Terms
 from ..schema.solving import MeshEntry
@@ -199,12 +199,9 @@ def _drawn(spec: Spec, named: Mapping[str, Mapping[str, Any]]) -> list[ShapeEntr
     return [ShapeEntry.model_construct() if lacking & _names_in(shape) else shape for shape in spec.drawing]
 
 
-def _names_in(value: Any) -> set[str]:
+def _names_in(shape: ShapeEntry) -> set[str]:
     """The names in all expressions of a shape."""
-    if isinstance(value, Expression):
-        return {leaf.name for leaf in value.leaves}
-    parts = [item for _, item in value] if isinstance(value, Entry) else value if isinstance(value, list) else []
-    return set().union(*map(_names_in, parts))
+    return {leaf.name for _, expression in expressions_below(shape) for leaf in expression.leaves}
 
 
 def _together(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:

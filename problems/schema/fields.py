@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from types import NoneType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
@@ -26,7 +26,7 @@ from ..expressions.expression import Expression, parse
 from ..expressions.tokens import ExpressionError
 from ..quantities import LARGEST_NUMBER, MAX_DEGREE
 from ..text import unprintable
-from ..yaml.document import in_words, scalar
+from ..yaml.document import Path, in_words, scalar
 
 MAX_SEGMENTS = 200_000
 MAX_TEXT = 10_000
@@ -258,6 +258,18 @@ def held(value: object) -> list[tuple[str | int, Any]]:
     elif isinstance(value, list):
         items = enumerate(value)
     return [(key, inner) for key, inner in items if type(inner) not in _PLAIN]
+
+
+def expressions_below(value: object, path: Path = ()) -> Iterator[tuple[Path, Expression]]:
+    """Every expression that an entry, a mapping or a list holds, with its path; an expression holds itself.
+
+    value: any.
+    path: of the value.
+    """
+    if isinstance(value, Expression):
+        yield path, value
+    for key, inner in held(value):
+        yield from expressions_below(inner, (*path, key))
 
 
 class Shorthand(Entry):

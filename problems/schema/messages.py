@@ -12,7 +12,7 @@ from ..text import brief, did_you_mean
 from ..wishes.keys import key_wish, meant
 from ..wishes.values import value_wish
 from ..yaml.document import Path, in_words
-from ..yaml.locations import MAX_FINDINGS, Finding, Locations
+from ..yaml.locations import MAX_FINDINGS, UNKNOWN_KEY, Finding, Locations
 from .spec import Spec
 
 # How the sections are written, by key; for other keys their description says it.
@@ -87,7 +87,7 @@ def _finding(error: ErrorDetails, locations: Locations) -> Finding:
     if error["type"] != "missing":
         while path and not locations.known(path):
             path = path[:-1]
-    return Finding(path, what, remedy)
+    return Finding(path, what, remedy, UNKNOWN_KEY if error["type"] == "extra_forbidden" else "")
 
 
 def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..files import reason_of
 from ..text import brief
 from .choices import MAX_VALUES
 
@@ -127,8 +128,7 @@ def _text(path: Path, file: str) -> str:
         with path.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise refuse(f"{brief(file)} cannot be read ({reason})", "check its permissions") from error
+        raise refuse(f"{brief(file)} cannot be read ({reason_of(error)})", "check its permissions") from error
     if len(content) > MAX_BYTES:
         what = f"{brief(file)} is larger than {MAX_BYTES // 1_000_000} MB"
         raise refuse(what, "leave out points that the curve does not need")

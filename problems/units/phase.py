@@ -88,7 +88,7 @@ class PhaseUnits:
             for name, entry in getattr(spec, section).items():
                 if entry.unit:
                     units[name] = self.unit((section, name, "unit"), entry.unit)
-        for variable in (*self.symbols.states, *self.symbols.controls, *self.symbols.algebraic):
+        for variable in self.symbols.variables:
             if isinstance(variable, DeclaredState) and variable.velocity_of and not variable.entry.unit:
                 units[variable.name] = self._per_time(units[variable.velocity_of])
             elif "[" not in variable.name:

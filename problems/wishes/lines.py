@@ -7,16 +7,14 @@ from typing import Any
 
 import yaml
 
-from ..text import shorten, tidy
+from ..text import SIDES, compared, shorten, tidy
 
 LONGEST = 60  # letters of a value in a message
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """A number of a problem file, as a regular expression."""
 
-_COMPARED = re.compile(r"<=|>=|==|<|>|=")
 _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_SIDES = {"<": "upper", "<=": "upper", ">": "lower", ">=": "lower", "=": "equals", "==": "equals"}
 
 
 class _Dumper(yaml.SafeDumper):
@@ -43,16 +41,18 @@ def entry(key: str, value: Any) -> str:
 
 def condition(text: str) -> dict[str, Any] | None:
     """A comparison as the constraint that says it: "x <= 1" is {expression: x, upper: 1}; None if it is none."""
-    sides, signs = [side.strip() for side in _COMPARED.split(text)], _COMPARED.findall(text)
+    sides, signs = compared(text)
     if not all(sides) or len(signs) not in (1, 2):
         return None
     if len(signs) == 2:  # lower <= expression <= upper
-        lower, expression, upper = sides if _SIDES[signs[0]] == "upper" else sides[::-1]
+        if SIDES[signs[0]] != SIDES[signs[1]] or SIDES[signs[0]] == "equals":
+            return None
+        lower, expression, upper = sides if SIDES[signs[0]] == "upper" else sides[::-1]
         return {"expression": expression, "lower": plain(lower), "upper": plain(upper)}
     (left, right), sign = sides, signs[0]
     if re.fullmatch(NUMBER, left):  # 1 >= x
         left, right, sign = right, left, _TURNED.get(sign, sign)
-    return {"expression": left, _SIDES[sign]: plain(right)}
+    return {"expression": left, SIDES[sign]: plain(right)}
 
 
 def plain(text: str) -> Any:

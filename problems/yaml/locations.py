@@ -18,11 +18,16 @@ _DIGITS = re.compile(r"\d+")
 
 
 class Finding(NamedTuple):
-    """A mistake at a path: `Mistake` without the file."""
+    """A mistake at a path: `Mistake` without the file; kind: where others ask, one of those below."""
 
     path: Path
     what: str
     remedy: str
+    kind: str = ""
+
+
+UNUSED, OPEN_TIME, UNKNOWN_KEY = "unused", "open time", "unknown key"
+"""Kinds of findings: a name that nothing uses, a free time without a guess, and a key that there is not."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,9 @@ class Locations:
         ordered = self._of_loops(
             sorted(dict.fromkeys(self.of_templates(written)), key=lambda finding: self._line(finding.path))
         )
-        located = [Mistake(self._where(f.path, f.what), f.what, self._remedy(f)) for f in ordered[:MAX_FINDINGS]]
+        located = [
+            Mistake(self._where(f.path, f.what, f.kind), f.what, self._remedy(f)) for f in ordered[:MAX_FINDINGS]
+        ]
         if len(ordered) > MAX_FINDINGS:
             located.append(Mistake(self.file, "there are more mistakes like these", "mend these first"))
         return tuple(located)
@@ -128,15 +135,15 @@ class Locations:
             return origin, 0
         return float("inf"), list(self.overrides.values()).index(origin)
 
-    def _where(self, path: Path, what: str) -> str:
+    def _where(self, path: Path, what: str, kind: str = "") -> str:
         origin = self._origin(path)
         if isinstance(origin, str):
             return f"--set {origin}"
         if path and path[-1] in ("value", "expression", "velocity") and not self.known(path):
             # the long form of a value that the file gives in short
             path = path[:-1]
-        of_key = what.startswith("unknown key")
-        line = _line_in(self.blocks[path], what, origin) if path in self.blocks and not of_key else origin
+        in_block = path in self.blocks and kind != UNKNOWN_KEY
+        line = _line_in(self.blocks[path], what, origin) if in_block else origin
         return f"{self.file}:{line}: {dotted(path)}" if path else f"{self.file}:{line}"
 
     def _remedy(self, finding: Finding) -> str:

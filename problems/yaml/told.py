@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ..lean.records import dataclass
 from ..text import shorten
 from .document import Path
-from .locations import Finding
+from .locations import UNUSED, Finding
 
 LONGEST = 120
 """Characters of an expression in a message."""
@@ -70,8 +70,8 @@ class InWords:
         told: dict[Finding, tuple[int, dict[Index, Finding]]] = {}
         for own in self._where_written(findings):
             made, base = self._origin(own.path)
-            whole = Finding(base, *self._in_words(own, made.at))
-            told.setdefault(whole, (made.of, {}))[1][made.at] = Finding(own.path, *self._in_words(own, None))
+            whole = self._in_words(own, made.at)._replace(path=base)
+            told.setdefault(whole, (made.of, {}))[1][made.at] = self._in_words(own, None)
         new: list[Finding] = []
         for whole, (count, singles) in told.items():
             if len(singles) == count > 1:
@@ -96,14 +96,14 @@ class InWords:
                 return made, (*made.base, *path[n:])
         return Made(path, (), 1), path
 
-    def _in_words(self, own: Finding, index: Index | None) -> tuple[str, str]:
-        """What is said, and the remedy.
+    def _in_words(self, own: Finding, index: Index | None) -> Finding:
+        """A finding in the words of the file.
 
         index: of the component that it is about; those of this index are told as their vectors. None for as they are.
         """
         one = _OF_ONE.search(own.what) is not None  # r, and not r[1], for a name that is like r
         remedy = own.remedy if one else _MEANT.sub(lambda found: self._vector(found[0]), own.remedy)
-        return self._text(own.what, own.path, index), self._text(remedy, own.path, index)
+        return own._replace(what=self._text(own.what, own.path, index), remedy=self._text(remedy, own.path, index))
 
     def _text(self, said: str, path: Path, index: Index | None) -> str:
         made, written = self.texts.get(path, ("", ""))
@@ -138,7 +138,7 @@ class InWords:
 
 
 def _is_unused(own: Finding) -> bool:
-    return own.path[:1] == ("parameters",) and own.what.endswith("is used nowhere")
+    return own.path[:1] == ("parameters",) and own.kind == UNUSED
 
 
 def with_quotes(said: str, made: str, written: str) -> str:

@@ -16,6 +16,7 @@ import h5py
 
 from ...problems.catalog import shipped
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.files import reason_of
 from ...problems.text import shorten
 from ..declared.conform import Conformance, Scope
 from ..declared.layout import HEAD, RESULT, VERSION
@@ -99,7 +100,7 @@ def _size(path: Path) -> int:
     except OSError as error:
         if isinstance(error, FileNotFoundError):
             raise _missing(path) from error
-        what = f"it cannot be read ({(error.strerror or str(error)).lower()})"
+        what = f"it cannot be read ({reason_of(error)})"
         raise FileError(Mistake(str(path), what, ANOTHER)) from error
     if (path / SWEEP).is_file():
         what = "it is the folder of a sweep, not one result"

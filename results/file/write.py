@@ -71,7 +71,7 @@ import h5py
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
-from ...problems.files import check_not_protected, check_writable, replacing
+from ...problems.files import check_not_protected, check_writable, write_whole
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
 from .door import FORMAT, FORMAT_VERSION, head_of
 from .write_measured import write_estimates, write_measured, write_sensitivities
@@ -134,13 +134,7 @@ def write(
 
     Raises FileError.
     """
-    write_image(path, image_of(solution, spec_text, spec_full, command, overrides))
-
-
-def write_image(path: Path, image: bytes) -> None:
-    """Write what `image_of` gave. Raises FileError."""
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
+    write_whole(path, image_of(solution, spec_text, spec_full, command, overrides))
 
 
 def image_of(

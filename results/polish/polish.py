@@ -19,6 +19,7 @@ from time import perf_counter
 import numpy as np
 
 from ...problems.errors import SpecError
+from ...problems.files import write_whole
 from ...problems.lean.records import dataclass
 from ...problems.nonsmooth.written import with_slack
 from ...problems.phases.split import Part, has_slack, why_not
@@ -30,7 +31,7 @@ from ...transcription.loading import build_checked, load_yaml
 from ...transcription.refinement.goal import Goal
 from ...transcription.solution.solution import Solution
 from ..file.guess import adapted
-from ..file.write import image_of, write_image
+from ..file.write import image_of
 from ..verify import verify
 from .parts import merged, parts_of
 from .signs import worth_of_leaving
@@ -237,5 +238,5 @@ def _failed(found: Polished) -> set[str]:
     solution, spec = found.solution, found.spec
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "result.h5"
-        write_image(path, image_of(solution, spec.text, spec.model_dump_json(), "", spec.overrides))
+        write_whole(path, image_of(solution, spec.text, spec.model_dump_json(), "", spec.overrides))
         return {check.name.rpartition(": ")[2] for check in verify(path, anew=False) if not check.passed}

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...problems.errors import FileError, Mistake
+from ...problems.files import write_whole
 from ...problems.lean.records import dataclass
 from ...problems.quantities import Variable
 from ...problems.text import did_you_mean, shorten, tidy
 from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Sample, Trajectory
-from ..file.write import check_target, place_for, write_image
+from ..file.write import check_target, place_for
 from .messages import python_words
 from .problem import LoadedProblem
 from .time_function import Array, TimeFunction
@@ -272,7 +273,7 @@ class SolutionView(_Named):
             if not force and place_for(target, self.problem.name, self.solved) != target:
                 what = "it holds a solution, and this result is none"
                 raise FileError(Mistake(str(target), what, "choose another file, or replace it with --force"))
-            write_image(target, self.image)
+            write_whole(target, self.image)
         return target
 
     def __repr__(self) -> str:

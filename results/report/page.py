@@ -16,7 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ...problems.files import check_ours, check_suffix, replacing
+from ...problems.files import check_ours, check_suffix
 from ...problems.text import escaped
 from ..file.summary import plain
 
@@ -73,12 +73,6 @@ def check_page(path: Path, force: bool = False) -> None:
     """
     check_suffix(path, "page", SUFFIXES, "end the name with .html")
     check_ours(path, force, _ours, f"is no page of '{MARK}'")
-
-
-def write_page(path: Path, text: str) -> None:
-    """Write the page whole, or leave what was there. Raises FileError."""
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
 
 
 def _ours(path: Path) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...problems.errors import FileError, Mistake
-from ...problems.files import check_writable, replacing
+from ...problems.files import check_writable, write_whole
 from .page import MARK
 
 FIGURES, RESULTS, INDEX = "figures", "results", "index.html"
@@ -35,5 +35,4 @@ def _is_ours(folder: Path) -> bool:
 def write_text(path: Path, text: str) -> None:
     """Write a text file whole, or leave the older one. Raises FileError."""
     check_writable(path)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_whole(path, text)

@@ -14,7 +14,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ...problems.files import replacing
+from ...problems.files import write_whole
 from ...problems.yaml.document import value_of
 from ..file.arrays import array_of, content_of, file_in_memory, scale_of
 from ..file.arrays import texts as texts_of
@@ -51,8 +51,7 @@ def write_arrays(path: Path, plan: Plan, records: Mapping[int, Record], about: M
             texts = [records[n][name] if n in records else "missing" * (name == "status") for n in range(len(plan))]
             array_of(file, name, texts_of(texts).reshape(plan.shape), scales, words)
         image = content_of(file)
-    with replacing(path) as temporary:
-        temporary.write_bytes(image)
+    write_whole(path, image)
 
 
 def dimensions(paths: Sequence[str], taken: Sequence[str]) -> list[str]:

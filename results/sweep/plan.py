@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...problems.errors import FileError, Mistake, SpecError
+from ...problems.files import reason_of
 from ...problems.lean.records import dataclass
 from ...problems.schema.solving import MAX_CASES
 from ...problems.text import brief
@@ -144,7 +145,7 @@ def listed(path: Path) -> Plan:
     except FileNotFoundError as error:
         raise FileError(Mistake(str(path), "there is no such file", "give a CSV file with --list")) from error
     except OSError as error:
-        what = f"the file cannot be read ({(error.strerror or str(error)).lower()})"
+        what = f"the file cannot be read ({reason_of(error)})"
         raise FileError(Mistake(str(path), what, "give a CSV file with --list")) from error
     except UnicodeDecodeError as error:
         raise SpecError(Mistake(str(path), "this is not UTF-8 text", "save the table as CSV in UTF-8")) from error

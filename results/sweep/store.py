@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...problems.errors import FileError, Mistake, SpecError
-from ...problems.files import PREFIX, check_writable, replacing
+from ...problems.files import PREFIX, check_writable, write_whole
 from .case import Answer, Curves, Left, is_record
 from .locks import Lock, locked
 from .plan import Plan
@@ -110,8 +110,7 @@ class Store:
         """Write what is swept, or compare it with what is there."""
         path = self.folder / ABOUT
         if not path.exists():
-            with replacing(path) as temporary:
-                temporary.write_text(json.dumps(about, indent=1), encoding="utf-8")
+            write_whole(path, json.dumps(about, indent=1))
             return
         remedy = "choose another folder with -o, or start anew with --force"
         known = stored_about(self.folder, remedy)
@@ -168,10 +167,8 @@ class Store:
         record = answer.record
         if record["key"]:
             if answer.image:
-                with replacing(self.result(record)) as temporary:
-                    temporary.write_bytes(answer.image)
-            with replacing(self.folder / CASES / f"{record['key']}.npz") as temporary:
-                temporary.write_bytes(packed(record, answer.left))
+                write_whole(self.result(record), answer.image)
+            write_whole(self.folder / CASES / f"{record['key']}.npz", packed(record, answer.left))
         line = json.dumps(record, allow_nan=False).encode() + b"\n"
         with self._told(self.index):
             append(self.stream, line)

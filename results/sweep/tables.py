@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...problems.files import replacing
+from ...problems.files import write_whole
 
 Record = Mapping[str, Any]
 
@@ -64,8 +64,7 @@ def write_table(path: Path, paths: Sequence[str], records: Mapping[int, Record])
         numbers = [*(r[name] for name in SCALARS), *(r[group].get(name) for group, name in pairs)]
         shown = ["" if x is None else repr(x) for x in numbers]
         writer.writerow([*told, *shown, r["start"], r["inaccurate"], r["message"], r["key"]])
-    with replacing(path) as temporary:
-        temporary.write_text(stream.getvalue(), encoding="utf-8")
+    write_whole(path, stream.getvalue())
 
 
 def summary_of(records: Mapping[int, Record], wanted: Sequence[int], sense: str) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import resource
 import signal
@@ -13,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import matplotlib
+from matplotlib.figure import Figure
 from typer.main import get_command
 
 from trajopt.cli.app import app
@@ -146,7 +148,11 @@ def preload() -> None:
     import trajopt.results.python.solving
     import trajopt.results.report.result
     import trajopt.results.verify
+    import trajopt.transcription.collocation.model
     import trajopt.transcription.failure.relax
     import trajopt.transcription.solve  # noqa: F401
 
     matplotlib.use("agg")
+    figure = Figure()
+    figure.text(0, 0, "a")
+    figure.savefig(io.BytesIO(), format="pdf")  # which finds the fonts

@@ -27,7 +27,7 @@ def completed(solution: Solution, solved: Solved) -> Solution:
         solution,
         prices=of_phases,
         prices_between=between,
-        program=kind_of_program(solved.nlp, solved.outcome.z, continuous),
+        program=kind_of_program(solved.nlp, solved.outcome.z).told(continuous),
         arcs=courses(*own, solution.trajectories),
         estimates=estimates(*own) if solution.solved else None,
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ..attempts.attempt import better
+from ..engines.outcome import Status
 from ..engines.watch import Watch
-from ..first_mesh import better
 from ..one_mesh import Found, Origin, in_place, solve_mesh
 from ..pontryagin.needles import Lower
 from ..refinement.angles import short_turns
@@ -13,8 +14,29 @@ from ..settings import Settings
 from ..transcribe import Planned
 from .tightened import tightened
 
+SLOW = 200
+"""Iterations of a finer mesh after which it is solved without the multipliers of the one before."""
+
 OF_BARRIER, SHARPER = 0.2, 0.01
 """Of the error bar: with more of the barrier in it the mesh is not to blame, and what is to be left of that."""
+
+
+def from_coarser(step: Planned, settings: Settings, start: Origin, watch: Watch) -> Found:
+    """The solution of a mesh from that on the one before; where its multipliers make the solve crawl, without them.
+
+    With them IPOPT starts close to the bounds, and from points that a finer mesh moves far it has no way to go but
+    along them. If it is not solved without them either, it is with as many iterations as it takes.
+
+    step, settings: of the solve.
+    start: the solution before.
+    watch: who looks on.
+    """
+    few = settings.within(SLOW)
+    found = solve_mesh(*step, few, start, watch)
+    if few is settings or start.solved is None or found[0].status is not Status.MAX_ITERATIONS:
+        return found
+    cold = solve_mesh(*step, settings.within(2 * SLOW), Origin(start.guess, None, start.damping), watch)
+    return in_place(found, cold if cold[0].status.usable else solve_mesh(*step, settings, start, watch))
 
 
 def with_short_turns(step: Planned, settings: Settings, found: Found, damping: Damping, watch: Watch) -> Found:
@@ -35,6 +57,25 @@ def with_short_turns(step: Planned, settings: Settings, found: Found, damping: D
         return found
     told = f"{', '.join(names)} had jumped by whole turns from point to point, and was made continuous"
     return in_place(found, again, told)
+
+
+def with_damping(step: Planned, settings: Settings, found: Found, damping: Damping, watch: Watch) -> Found | None:
+    """The solution with damped controls; None if it has none that is as good.
+
+    It is solved anew, and else from the multipliers of the undamped one, which is slower where they chatter, and stays
+    nearer.
+
+    step, settings: of the solve.
+    found: what it led to.
+    damping: of its controls.
+    watch: who looks on.
+    """
+    solution, solved = found
+    for before in (None, solved):
+        calm = solve_mesh(*step, settings, Origin(solution.trajectories, before, damping), watch)
+        if calm[0].status.may_replace(solution.status) and not left_basin(solution, calm[0]):
+            return in_place(found, calm)
+    return None
 
 
 def sharpened(found: Found, settings: Settings, accuracy: float, watch: Watch) -> Found:

@@ -16,11 +16,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix
+from scipy.sparse import bmat
 
 from ...problems.errors import Mistake, SpecError
 from ..program.contract import NonlinearProgram, NotFinite
-from .linear import solved
+from .linear import hessian_of, jacobian_of, solved
 from .outcome import COLUMNS, Outcome, Start, Status
 
 DEFAULTS = {"tol": 1e-8, "max_iter": 100, "line_search": "no"}
@@ -145,21 +145,15 @@ class _Newton:
             before = objective
         return Status.MAX_ITERATIONS
 
+    @property
     def _jacobian(self) -> Any:
-        rows, cols = self.nlp.jacobianstructure()
-        shape = (self.nlp.m, self.nlp.n)
-        return coo_matrix((self.nlp.jacobian(self.z), (rows, cols)), shape).tocsc()[:, self.free]
-
-    def _hessian(self) -> Any:
-        rows, cols = self.nlp.hessianstructure()
-        lower = coo_matrix((self.nlp.hessian(self.z, self.y, 1.0), (rows, cols)), (self.nlp.n, self.nlp.n)).tocsc()
-        full = lower + lower.T
-        full.setdiag(lower.diagonal())
-        return full[self.free][:, self.free]
+        """dg/dz by the free unknowns."""
+        return jacobian_of(self.nlp, self.z)[:, self.free]
 
     def _step(self) -> tuple[np.ndarray, np.ndarray] | None:
         """(dz, y_new) from the KKT system (36), or None if its matrix is singular."""
-        J, H = self._jacobian(), self._hessian()
+        J = self._jacobian
+        H = hessian_of(self.nlp, self.z, self.y)[self.free][:, self.free]
         matrix = bmat([[H, J.T], [J, None]], format="csc")
         right = np.concatenate([-self.nlp.gradient(self.z)[self.free], self.nlp.cl - self.nlp.constraints(self.z)])
         solution = solved(matrix, right)  # (36)
@@ -186,7 +180,7 @@ class _Newton:
     def _residual(self) -> float:
         """|| (grad L, g - c) ||; infinite where a function has no finite value."""
         try:
-            gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian().T @ self.y
+            gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian.T @ self.y
             return float(np.linalg.norm(np.append(gradient, self.nlp.constraints(self.z) - self.nlp.cl)))
         except NotFinite:
             return np.inf
@@ -195,7 +189,7 @@ class _Newton:
         """Record an iteration; returns the objective and the largest constraint residual."""
         objective = self.nlp.objective(self.z)
         infeasibility = float(np.abs(self.nlp.constraints(self.z) - self.nlp.cl).max(initial=0.0))
-        gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian().T @ self.y
+        gradient = self.nlp.gradient(self.z)[self.free] + self._jacobian.T @ self.y
         dual = float(np.abs(gradient).max(initial=0.0))
         values = (0, iteration, objective, infeasibility, dual, 0.0, step, 0.0, length, length, 0)
         for name, value in zip(COLUMNS, values, strict=True):

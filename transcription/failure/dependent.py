@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..engines.linear import jacobian_of
 from ..engines.outcome import Outcome
 from ..layout import Transcription, bounded_start
 from ..program.contract import NonlinearProgram, NotFinite
@@ -33,12 +34,9 @@ def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outc
     if not len(rows) or len(rows) + len(fixed) > LARGEST:
         return Trouble()
     try:
-        values = nlp.jacobian(outcome.z)
+        dense = jacobian_of(nlp, outcome.z).toarray()
     except NotFinite:
         return Trouble()
-    at, columns = nlp.jacobianstructure()
-    dense = np.zeros((nlp.m, nlp.n))
-    np.add.at(dense, (at, columns), values)
     units = np.zeros((len(fixed), nlp.n))
     units[np.arange(len(fixed)), fixed] = 1.0
     combination = _combination(np.vstack([dense[rows], units]))

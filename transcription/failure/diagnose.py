@@ -9,7 +9,7 @@ from ..layout import Transcription
 from ..program.contract import NonlinearProgram
 from ..solution.trajectory import trajectories
 from ..solution.violation import Trouble, Violation
-from .runaway import fallen, runaway
+from .runaway import divided, fallen, runaway
 from .violations import counted, violations
 
 BROKEN = (Status.INVALID_NUMBER, Status.STEP_FAILED, Status.RESTORATION_FAILED, Status.STALLED, Status.FAILED)
@@ -47,6 +47,7 @@ def diagnose(
     if outcome.status is Status.OVERDETERMINED:
         return found, Trouble(counted(transcription, nlp))
     words = runaway(transcription, outcome) or _kink(transcription, outcome.z)
+    words = words or (divided(transcription, outcome) if outcome.status in BROKEN else "")
     return found, Trouble(words) if words else dependent(transcription, nlp, outcome)
 
 

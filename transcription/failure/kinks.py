@@ -60,7 +60,7 @@ def _is_norm(node: Operation) -> bool:
 def _norms(phase: Phase) -> Iterator[tuple[str, Expression, str]]:
     """Each norm in the functions of a phase over time and in what they need: its text, itself, and the remedy."""
     for function in (own for own in phase.over_time if isinstance(own, Expression)):
-        for part in (function, *(definition for definition, _ in function.steps.values())):
+        for part in function.parts:
             for node in part.nodes:
                 if isinstance(node, Operation) and _is_norm(node):
                     own = replace(function, text=part.text, root=node)

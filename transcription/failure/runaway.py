@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import symengine as se
 
+from ...problems.problem import Phase
 from ...problems.quantities import Function
 from ...problems.tables.table import Table
 from ...problems.text import shorten
@@ -23,6 +24,7 @@ from ..solution.violation import of_phase
 
 LARGE = 1e10  # no unit makes an honest value as large
 LONGER = 1e5  # times than its guess: a free time that nothing has stopped
+LONG = 1e3  # the same, where the objective has fallen through with it
 FALLEN = 1e6  # of 1 + the first objective: an objective that has fallen by more runs away
 FALLEN_THROUGH = 1e3  # the same, where a denominator is at zero as well
 NEAR_ZERO = 1e-3  # of its largest size, of a denominator that an objective runs away through
@@ -46,9 +48,20 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     division = next((text for own in found for text in _divisions(own)), "")
     if division:
         return division
+    if longer := next((text for own in found for text in _longer(own)), ""):
+        return f"{longer}: {REMEDY}"
     if not fallen(outcome):
         return ""
     return f"the objective runs to {transcription.problem.sense * outcome.objective:.3g}; {text}: {REMEDY}"
+
+
+def divided(transcription: Transcription, outcome: Outcome) -> str:
+    """What is divided by that changes its sign at the end of a failed solve, or "".
+
+    transcription: what stands where.
+    outcome: of the solve.
+    """
+    return next((text for own in trajectories(transcription, outcome.z) for text in _divisions(own, crossed=True)), "")
 
 
 def fallen(outcome: Outcome, by: float = FALLEN) -> bool:
@@ -75,8 +88,20 @@ def _values(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
         yield abs(value), f"{name} runs to {value:.3g}"
 
 
-def _divisions(trajectory: Trajectory) -> Iterator[str]:
-    """Denominators in the objective and the rates that are at zero, or on both sides of it."""
+def _longer(trajectory: Trajectory) -> Iterator[str]:
+    """The final time, if it is free without an upper bound and far longer than its guess."""
+    phase = trajectory.phase
+    if phase.final_time.upper == inf and trajectory.final_time > LONG * _meant(phase):
+        yield f"the final time{of_phase(phase.name)} runs to {trajectory.final_time:.3g}"
+
+
+def _meant(phase: Phase) -> float:
+    """The size of the final time as it is guessed, or of the duration, at least 1."""
+    return max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
+
+
+def _divisions(trajectory: Trajectory, crossed: bool = False) -> Iterator[str]:
+    """Denominators in the objective and the rates at zero, or on both sides of it; crossed: only the latter."""
     phase = trajectory.phase
     values = trajectory.at_collocated
     owners: list[tuple[str, Function]] = [("the objective", phase.lagrange)] if phase.lagrange else []
@@ -89,12 +114,13 @@ def _divisions(trajectory: Trajectory) -> Iterator[str]:
                 continue
             den, points = symbolic.numbers(base)
             at = int(np.argmin(np.abs(den)))
-            if abs(den[at]) <= NEAR_ZERO * np.abs(den).max() or (den.min() < 0 < den.max()):
+            both = den.min() < 0 < den.max()
+            if both or (not crossed and abs(den[at]) <= NEAR_ZERO * np.abs(den).max()):
                 text, where = shorten(str(base)), f"{names[0]} = {points[at, 0]:.3g}, t = {values['t'][at]:.6g}"
-                yield (
-                    f"{owner}{of_phase(phase.name)} divides by {text}, which runs to zero ({where}), so there is no "
-                    f"limit to it: give {names[0]} a bound that keeps {text} away from zero"
-                )
+                does = "changes its sign" if crossed else "runs to zero"
+                what = f"{owner}{of_phase(phase.name)} divides by {text}, which {does} ({where})"
+                so = "" if crossed else ", so there is no limit to it"
+                yield f"{what}{so}: give {names[0]} a bound that keeps {text} away from zero"
 
 
 class _Symbolic:
@@ -142,8 +168,7 @@ def runaway_times(trajectories: Sequence[Trajectory]) -> Iterator[str]:
     """What is told of free final times without an upper bound that have grown beyond all that was meant."""
     for trajectory in trajectories:
         phase = trajectory.phase
-        meant = max(1.0, abs(phase.guess.final_time), abs(phase.guess.final_time - phase.guess.initial_time))
-        if phase.final_time.upper == inf and trajectory.final_time > LONGER * meant:
+        if phase.final_time.upper == inf and trajectory.final_time > LONGER * _meant(phase):
             end = f"{trajectory.final_time:.3g} {phase.time_unit}".rstrip()
             told = f"the final time{of_phase(phase.name)} has run away to {end}"
             yield f"{told}: nothing limits it, so this is no optimum; give time: final: an upper bound"

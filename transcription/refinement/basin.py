@@ -31,7 +31,8 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     """Whether the objective of a finer mesh has moved by far more than both error bars, and not for the better.
 
     Then it belongs to another optimum: on one and the same, both bars hold the exact value. A gain is none where the
-    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics.
+    error of the dynamics has grown with it: the scheme's equations have solutions that follow no dynamics. The wide
+    bar that the finer mesh then has is of the other optimum, and excuses nothing.
 
     before: the solution on the mesh before.
     after: that on the finer mesh.
@@ -43,7 +44,8 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     untrue = after.meshes[-1].relative_error > UNTRUE * before.meshes[-1].relative_error
     exceeded = _exceeded(before)
     times = EXCEEDED if exceeded > max(TOLERATED_EXCESS, _exceeded(after)) else FARTHER
-    bars = before.objective_error.bar + after.objective_error.bar
+    bar, finer = before.objective_error.bar, after.objective_error.bar
+    bars = bar + (min(bar, finer) if untrue else finer)
     return (abs(loss) if untrue else loss) > max(times * bars, accuracy * (1 + abs(before.objective)))
 
 

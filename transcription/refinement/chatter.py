@@ -1,4 +1,5 @@
-"""Chatter: a control that turns at nearly every point of the mesh, where the problem hardly determines it.
+"""Chatter: a control that turns at nearly every point of the mesh, or in every segment, where the problem hardly
+determines it.
 
 On a singular arc H does not depend on the control, and what of J does, through the states, falls with the square of the
 frequency. The fastest oscillation that a mesh can hold is then worth nothing, or a little less than nothing, as the
@@ -34,6 +35,7 @@ from .damped import Squares
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
 TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
+PERIODS = 12  # one in each segment: bang-bang controls with few points on each arc have some, too
 NEAR = 2  # points from one turn to the next, at most
 STRENGTH = 1e-2
 WEAKER = 0.1
@@ -145,18 +147,49 @@ def chatter(trajectories: Sequence[Trajectory], transcription: Transcription) ->
         for number, control in enumerate(layout.phase.controls):
             known = layout.u[number] >= 0
             u, tau = trajectory.u[number, known], layout.mesh.fractions[known]
-            arcs = _turning(u, tau) if len(u) > TURNS else []
+            arcs = _turning(u, tau, layout.mesh.degrees_at_points[known]) if len(u) > TURNS else []
             found += [Rough(layout.phase.name, control.name, *ends, _range(control, u)) for ends in arcs]
     return found
 
 
-def _turning(u: np.ndarray, tau: np.ndarray) -> list[tuple[float, float]]:
-    """The times before the first and after the last turn of each run of turns; u, tau: (K,) at least two."""
+def _turning(u: np.ndarray, tau: np.ndarray, degrees: np.ndarray) -> list[tuple[float, float]]:
+    """The times before the first and after the last turn of each run of turns.
+
+    u, tau: (K,) at least two. degrees: (K,) points of the segment of each.
+    """
+    least = max(TURN * float(np.ptp(u)), FLAT * (1 + float(np.abs(u).max())))
+    runs = _runs(_sharp_turns(u, least), np.full(len(u), NEAR), TURNS) + _runs(_turns(u, least)[::2], degrees, PERIODS)
+    return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs]
+
+
+def _runs(turns: np.ndarray, near: np.ndarray, least: int) -> list[np.ndarray]:
+    """The runs of at least so many turns (M,), with at most near (K,) points from each to the next."""
+    runs = np.split(turns, np.flatnonzero(np.diff(turns) > near[turns[:-1]]) + 1)
+    return [run for run in runs if len(run) >= least]
+
+
+def _sharp_turns(u: np.ndarray, least: float) -> np.ndarray:
+    """The numbers of the points of u (K,) that are above both neighbours, or below, by more than `least`."""
     steps = np.diff(u)
-    large = np.abs(steps) > max(TURN * np.ptp(u), FLAT * (1 + np.abs(u).max()))
-    turns = np.flatnonzero((steps[1:] * steps[:-1] < 0) & large[1:] & large[:-1]) + 1
-    runs = np.split(turns, np.flatnonzero(np.diff(turns) > NEAR) + 1)
-    return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs if len(run) >= TURNS]
+    large = np.abs(steps) > least
+    return np.flatnonzero((steps[1:] * steps[:-1] < 0) & large[1:] & large[:-1]) + 1
+
+
+def _turns(u: np.ndarray, least: float) -> np.ndarray:
+    """The numbers of the points at which u (K,) turns: a highest and a lowest one in turn, more than `least` apart."""
+    highest = lowest = direction = 0
+    turns: list[int] = []
+    values = u.tolist()
+    for k, value in enumerate(values):
+        highest = k if value > values[highest] else highest
+        lowest = k if value < values[lowest] else lowest
+        if direction >= 0 and values[highest] - value > least:
+            turns += [highest] * direction
+            direction, lowest = -1, k
+        elif direction <= 0 and value - values[lowest] > least:
+            turns += [lowest] * -direction
+            direction, highest = 1, k
+    return np.array(turns, int)
 
 
 def _range(control: Variable, u: np.ndarray) -> float:

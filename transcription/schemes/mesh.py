@@ -58,15 +58,20 @@ class Mesh:
         kept = np.linspace(0, self.segments, segments + 1).round().astype(int)
         return Mesh(self.schemes[:segments], np.diff(self.edges[kept]))
 
-    def halved(self) -> Mesh:
-        """A mesh with two segments for each of this one."""
-        schemes = tuple(scheme for scheme in self.schemes for _ in range(2))
-        return Mesh(schemes, np.repeat(self.widths / 2, 2))
+    def divided(self, parts: int) -> Mesh:
+        """A mesh with this many equal segments for each of this one."""
+        schemes = tuple(scheme for scheme in self.schemes for _ in range(parts))
+        return Mesh(schemes, np.repeat(self.widths / parts, parts))
 
     @cached_property
     def degrees(self) -> np.ndarray:
         """Points per segment, the one shared with the next segment not counted, shape (N,)."""
         return np.array([len(scheme.sigma) - 1 for scheme in self.schemes])
+
+    @property
+    def degrees_at_points(self) -> np.ndarray:
+        """That of the segment that starts at or before each point, shape (K,); of the last segment at the last one."""
+        return np.append(np.repeat(self.degrees, self.degrees), self.degrees[-1])
 
     @cached_property
     def edges(self) -> np.ndarray:

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dual.multipliers import Measure, Multipliers
-from ..engines.linear import solved
+from ..engines.linear import hessian_of, jacobian_of, solved
 from .lagrangian import PhaseLagrangian
 
 MOST_POINTS = 3
@@ -120,13 +120,9 @@ class _KKT:
     """The KKT matrix of the nonlinear program at its solution, with inequalities as the barrier has them."""
 
     def __init__(self, multipliers: Multipliers) -> None:
-        from scipy.sparse import coo_matrix, diags
-
         nlp, outcome = multipliers.nlp, multipliers.outcome
-        z, self.n, self.m = outcome.z, nlp.n, nlp.m
-        half = coo_matrix((nlp.hessian(z, outcome.y, 1.0), nlp.hessianstructure()), (nlp.n, nlp.n)).tocsr()
-        self.H = half + half.T - diags(half.diagonal())
-        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, nlp.n)).tocsr()
+        self.n, self.m = nlp.n, nlp.m
+        self.H, self.A = hessian_of(nlp, outcome.z, outcome.y), jacobian_of(nlp, outcome.z)
         with np.errstate(all="ignore"):
             lower, upper, rows = (np.where(y > 0, s / y, LARGE) for y, s, _ in multipliers.sides)
         tiny = 1 / LARGE

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import Any
 
 import numpy as np
 
+from ..engines.linear import hessian_of, jacobian_of
 from ..program.compiled import CompiledNLP
 
 LARGEST_BLOCK = 1000
@@ -18,27 +20,44 @@ ROUNDING = 1e-9
 """Of the largest second derivative: an eigenvalue above minus this is none below zero."""
 
 
-def kind_of_program(nlp: Any, z: np.ndarray, continuous: bool) -> str:
-    """What the program is, and what that says of an optimum, in words; "" for a nonlinear one.
+class ProgramKind(Enum):
+    """What is known of a program, and in words; with {} for where an optimum is one."""
 
-    nlp: compiled from templates; of others nothing is known.
+    LINEAR = "linear program: the optimum{} is global"
+    CONVEX = "convex quadratic program: the optimum{} is global"
+    QUADRATIC = "quadratic program"
+    NOT_CONVEX = "quadratic program, not convex: there may be other optima"
+    NONLINEAR = ""
+
+    @property
+    def has_one_optimum(self) -> bool:
+        return self in (ProgramKind.LINEAR, ProgramKind.CONVEX)
+
+    def told(self, continuous: bool) -> str:
+        """In words; "" for a nonlinear one.
+
+        continuous: whether the program approximates a problem in continuous time, so that it speaks of its mesh only.
+        """
+        return self.value.format(" on this mesh" if continuous else "")
+
+
+def kind_of_program(nlp: Any, z: np.ndarray) -> ProgramKind:
+    """What a program is.
+
+    nlp: compiled from templates; of others nothing is known, as of nonlinear ones.
     z: (n,) any point.
-    continuous: whether the program approximates a problem in continuous time, so that it speaks of its mesh only.
     """
     if not isinstance(nlp, CompiledNLP):
-        return ""
+        return ProgramKind.NONLINEAR
     constraints, objective = nlp.degrees
     if constraints > 1 or objective > 2:
-        return ""
-    on_mesh = "the optimum on this mesh is global" if continuous else "the optimum is global"
+        return ProgramKind.NONLINEAR
     if objective < 2:
-        return f"linear program: {on_mesh}"
+        return ProgramKind.LINEAR
     convex = _convex(nlp, z)
     if convex is None:
-        return "quadratic program"
-    if convex:
-        return f"convex quadratic program: {on_mesh}"
-    return "quadratic program, not convex: there may be other optima"
+        return ProgramKind.QUADRATIC
+    return ProgramKind.CONVEX if convex else ProgramKind.NOT_CONVEX
 
 
 def _convex(nlp: CompiledNLP, z: np.ndarray) -> bool | None:
@@ -51,11 +70,7 @@ def _convex(nlp: CompiledNLP, z: np.ndarray) -> bool | None:
         return True
     if nlp.n > LARGEST_PROGRAM:
         return None
-    H = np.zeros((nlp.n, nlp.n))
-    np.add.at(H, (rows, columns), values)
-    H += np.tril(H, -1).T
-    A = np.zeros((nlp.m, nlp.n))
-    np.add.at(A, nlp.jacobianstructure(), nlp.jacobian(z))
+    H, A = hessian_of(nlp, z, np.zeros(nlp.m)).toarray(), jacobian_of(nlp, z).toarray()
     _, size, directions = np.linalg.svd(A[nlp.cl == nlp.cu])
     free = directions[np.count_nonzero(size > ROUNDING * size.max(initial=0.0)) :]
     return bool(np.linalg.eigvalsh(free @ H @ free.T).min(initial=0.0) >= -lowest)

@@ -10,12 +10,13 @@ second derivatives of J by p on the way, the reduced Hessian, are the inverse of
     [ A   0  ] [ . ] = [  0  ],          covariance of p = 2 s^2 Z_p
 
 s^2 = 1 where deviations are given; else it is estimated, s^2 = sum of w r^2 / (measurements - unknowns that are free).
-Parameters on their bounds are taken as known. Which are does not depend on their units: with the bounds as the barrier
-has them, H + S, where S = multiplier/slack,
+Parameters on their bounds are taken as known. Which are does not depend on their units: with the inequalities as the
+barrier has them, H + sum of S_i a_i a_i^T, where S = multiplier/slack, and a is the gradient,
 
-    theta_i = S_i Z_ii = S_i / (S_i + c_i),          c_i the reduced second derivative by p_i,
+    theta_i = S_i a_i^T Z a_i = S_i / (S_i + c_i),          c_i the reduced second derivative along a_i,
 
-is the part that a bound has in what holds p_i, nearly 1 or nearly 0.
+is the part that an inequality has in what holds it, nearly 1 or nearly 0. So it is of states: one that the dynamics
+take near its bound, as what is used up, is held by them and not by the bound, whatever its multiplier is.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..dual.multipliers import ACTS, Multipliers
-from ..engines.linear import solved
+from ..engines.linear import hessian_of, jacobian_of, solved
 from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..measured.estimated import Estimates
@@ -34,6 +35,11 @@ from ..program.contract import NonlinearProgram
 
 SINGULAR = 1e-10
 """Of the sum of w y^2: what J changes by at least where a parameter moves by 1 + its size, if it is determined."""
+
+LEAST = 1e-12
+"""Of a slack, relative to 1 + |bound|: the engine's own may be zero by rounding."""
+TOGETHER = 200
+"""Columns that are solved for at once."""
 
 
 def estimates(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Estimates | None:
@@ -77,45 +83,52 @@ class _Program:
     def __init__(
         self, transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome, parameters: np.ndarray
     ) -> None:
-        from scipy.sparse import coo_matrix, diags
-
         self.nlp, self.outcome, self.parameters = nlp, outcome, parameters
         own = Multipliers(transcription, nlp, outcome)
-        lower, upper, rows = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
-        self.rows = np.flatnonzero(own.equations | rows)
-        z, y, n = outcome.z, outcome.y, nlp.n
-        half = coo_matrix((nlp.hessian(z, y, 1.0), nlp.hessianstructure()), (n, n)).tocsr()
-        self.H = half + half.T - diags(half.diagonal())
-        self.A = coo_matrix((nlp.jacobian(z), nlp.jacobianstructure()), (nlp.m, n)).tocsr()[self.rows]
-        held, bounded = own.bounds[0] == own.bounds[1], lower | upper
-        held |= bounded & ~np.isin(np.arange(n), parameters)
-        self.moving = np.flatnonzero(~(held | self._held(own, np.flatnonzero(~held)) & bounded))
+        lower, upper, inner = ((side[0] > 0) & (own.acting(*side) > ACTS) for side in own.sides)
+        self.H, A = hessian_of(nlp, outcome.z, outcome.y), jacobian_of(nlp, outcome.z)
+        controls = [layout.u[: len(layout.phase.controls)].ravel() for layout in transcription.phases]
+        bounded, of_controls = lower | upper, np.isin(np.arange(nlp.n), np.concatenate(controls))
+        held = (own.bounds[0] == own.bounds[1]) | bounded & of_controls
+        self.A, self.moving = A[own.equations], np.flatnonzero(~held)
+        on, acting = self._held(own, A, np.flatnonzero(bounded & ~held), np.flatnonzero(inner))
+        self.A, self.moving = A[np.union1d(np.flatnonzero(own.equations), acting)], np.setdiff1d(self.moving, on)
         measured = (own for phase in transcription.problem.phases for own in phase.measured)
         self.size = float(sum((own.weights * own.values**2).sum() for own in measured))
 
-    def _held(self, own: Multipliers, moving: np.ndarray) -> np.ndarray:
-        """Which unknowns are parameters on a bound, (n,)."""
-        from scipy.sparse import diags
+    def _held(self, own: Multipliers, A: Any, bounds: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What of the unknowns on a bound, and of the rows on one, is held by that: by theta.
 
-        with np.errstate(all="ignore"):
-            below, above = (np.where(z > 0, z / slack, 0.0) for z, slack, _ in own.sides[:2])
-        S = below + above
-        at = np.intersect1d(self.parameters, moving)
-        held = np.zeros(self.nlp.n, bool)
-        Z = self._inverse(self.H + diags(S), moving, at)
-        held[at] = True if Z is None else S[at] * np.diag(Z) > ACTS  # theta
-        return held
+        own: of the solution.
+        A: (m, n), the Jacobian.
+        bounds, rows: numbers of what may be.
+        """
+        from scipy.sparse import diags, identity, vstack
 
-    def _inverse(self, H: Any, moving: np.ndarray, at: np.ndarray) -> np.ndarray | None:
-        """The part Z, (K, K), of the inverse KKT matrix of the moving unknowns at some of them, (K,); None if there is
-        no inverse."""
+        below, above, inside = (
+            np.where(z > 0, z / np.maximum(slack, LEAST * (1 + np.abs(bound))), 0.0) for z, slack, bound in own.sides
+        )
+        gradients = vstack([identity(self.nlp.n, format="csr")[bounds], A[rows]], format="csr")
+        S = np.concatenate([(below + above)[bounds], inside[rows]])
+        theta = np.ones(len(S))
+        H = self.H + gradients.T @ diags(S) @ gradients
+        for first in range(0, len(S), TOGETHER):
+            some = slice(first, first + TOGETHER)
+            a = gradients[some][:, self.moving].T.toarray()
+            Z = self._inverse(H, a)
+            if Z is not None:
+                theta[some] = S[some] * (a * Z).sum(axis=0)
+        on = theta > ACTS
+        return bounds[on[: len(bounds)]], rows[on[len(bounds) :]]
+
+    def _inverse(self, H: Any, right: np.ndarray) -> np.ndarray | None:
+        """The inverse KKT matrix of the moving unknowns times columns, both (M, K); None if there is no inverse."""
         from scipy.sparse import bmat
 
-        A, right = self.A[:, moving], np.zeros((len(moving) + len(self.rows), len(at)))
-        places = np.searchsorted(moving, at)
-        right[places, np.arange(len(at))] = 1.0
-        solution = solved(bmat([[H.tocsr()[moving][:, moving], A.T], [A, None]], format="csc"), right)
-        return None if solution is None else solution[places]
+        A, none = self.A[:, self.moving], np.zeros((self.A.shape[0], right.shape[1]))
+        matrix = bmat([[H.tocsr()[self.moving][:, self.moving], A.T], [A, None]], format="csc")
+        solution = solved(matrix, np.concatenate([right, none]))
+        return None if solution is None else solution[: len(self.moving)]
 
     def covariance(self, names: Sequence[str]) -> tuple[np.ndarray, str]:
         """2 Z_p, shape (P, P); NaN for parameters on their bounds; and why there is none, or ""."""
@@ -125,9 +138,13 @@ class _Program:
         undetermined = (
             f"the measurements do not determine {', '.join(names[i] for i in own.tolist())}: the reduced Hessian"
         )
-        Z = self._inverse(self.H, self.moving, at)
+        places = np.searchsorted(self.moving, at)
+        units = np.zeros((len(self.moving), len(at)))
+        units[places, np.arange(len(at))] = 1.0
+        Z = self._inverse(self.H, units)
         if Z is None:
             return found, f"{undetermined} is singular"
+        Z = Z[places]
         part, size = Z + Z.T, 1 + np.abs(self.outcome.z[at])
         scaled = np.linalg.eigvalsh(part / np.outer(size, size)) if np.isfinite(part).all() else np.array([np.nan])
         if not scaled.min(initial=1.0) > 0 or scaled.max(initial=0.0) * SINGULAR * self.size > 1:
@@ -138,4 +155,4 @@ class _Program:
     @property
     def free(self) -> int:
         """How many unknowns the constraints that act leave free to fit the measurements."""
-        return len(self.moving) - len(self.rows)
+        return len(self.moving) - self.A.shape[0]

@@ -32,12 +32,12 @@ def may_have_several(solution: Solution, nlp: Any) -> bool:
     """
     phases = solution.problem.phases
     if all(phase.static for phase in phases):
-        return "global" not in kind_of_program(nlp, solution.outcome.z, continuous=False)
+        return not kind_of_program(nlp, solution.outcome.z).has_one_optimum
     if any(phase.exact for phase in phases) or nlp.n * solution.meshes[-1].iterations > WORK:
         return False
     if not chosen_parameters(solution.problem) and not _switches(solution):
         return False
-    return "global" not in kind_of_program(nlp, solution.outcome.z, continuous=False)
+    return not kind_of_program(nlp, solution.outcome.z).has_one_optimum
 
 
 def _switches(solution: Solution) -> bool:

@@ -131,7 +131,7 @@ def test_a_pendulum_of_n_links():
     assert {"link3_x", "link3_y"} <= three.expressions.keys() and "link3_vx" not in three.expressions
 
 
-@pytest.mark.parametrize(("links", "angles"), [(30, "absolute"), (12, "relative")])
+@pytest.mark.parametrize(("links", "angles"), [(20, "absolute"), (10, "relative")])
 def test_long_chains_can_be_written(links, angles):
     (phase,) = build(spec_of(PENDULUM, f"parameters.N={links}", f"model.angles={angles}")).phases
     assert len(phase.residuals) == links

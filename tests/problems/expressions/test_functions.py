@@ -18,6 +18,7 @@ from trajopt.problems.expressions.composed import ROUNDING
 from trajopt.problems.expressions.expression import parse
 from trajopt.problems.expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE
 from trajopt.problems.expressions.smooth import TANH, smooth_abs
+from trajopt.results.verify import verify
 from trajopt.transcription.export.formula import Printer, name
 from trajopt.transcription.program.pointwise import PointFunctions
 
@@ -248,12 +249,13 @@ def test_a_problem_with_all_of_them_is_solved_verified_and_printed(folder):
     Path("all.yaml").write_text(ALL_OF_THEM.replace("x - 2", "x + 2"))
     solved = trajopt("solve", "all.yaml", "-o", "all.h5")
     assert solved.exit_code == 0 and "all: solved" in solved.stdout, solved.output
-    assert trajopt("verify", "all.h5").exit_code == 0
+    assert all(check.passed for check in verify(Path("all.h5"), anew=False))
     assert trajopt("export", "all.yaml", "all.tex", "--segments", "1").exit_code == 0
     bodies = re.findall(r"\\begin\{align\*\}\n(.*?)\\end\{align\*\}", Path("all.tex").read_text(), re.DOTALL)
     parser = MathTextParser("path")
     for body in bodies:
-        for row in re.sub(r"\\bigg[lr]", "", body).split("\\\\\n"):
+        rows = re.sub(r"\\bigg[lr]", "", body).split("\\\\\n")
+        for row in {re.sub(r"\d+", "0", row): row for row in rows}.values():
             parser.parse(f"${row[2:].strip()}$")
 
 

@@ -9,7 +9,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load, load_text
 from trajopt.results.file.reload import stored_spec
 from trajopt.results.file.write import write
-from trajopt.transcription.settings import settings_of, steps
+from trajopt.transcription.settings import schedule_of, settings_of, steps
 from trajopt.transcription.solve import solve
 
 PROBLEM = """\
@@ -182,3 +182,54 @@ def test_the_state_that_runs_away_is_told_with_its_own_value():
     )
     with pytest.raises(SpecError, match=r"w runs away: it is 1\.\de\+08"):
         phases("{simulate: {u: 1.2e8 + q}}", text.replace("lower: -20, upper: 20", ""))
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        '{expression: "q[final]", equals: 3}', '{expression: "2*q[final] - k", equals: 4}',
+        '{expression: "1 - q[final]", lower: -3, upper: -1}', '"q[final] = 3"',
+    ],
+)  # fmt: skip
+def test_a_condition_on_one_end_is_where_the_line_ends(condition):
+    text = PROBLEM.replace("guess: GUESS", f"constraints: {{boundary: [{condition}]}}")
+    (phase,) = phases("", text)
+    assert samples(phase, 0.0, 1.0, 2.0)["q"] == pytest.approx([0, 1.5, 3])
+
+
+@pytest.mark.parametrize(
+    "condition", ['q[final]**2", equals: 9', 'q[final] - z[final]", equals: 3', 'q[final]", lower: 3']
+)
+def test_other_conditions_say_nothing_of_the_line(condition):
+    text = PROBLEM.replace("guess: GUESS", f'constraints: {{boundary: [{{expression: "{condition}}}]}}')
+    (phase,) = phases("", text)
+    assert samples(phase, 2.0)["q"] == pytest.approx([0])
+
+
+GAIT = """\
+trajopt: 1
+states: {x: {rate: v}, y: {rate: w, lower: 0.5}, w: {rate: u}}
+controls: {u: {}}
+optimize: {v: {lower: 0.5, upper: 4}}
+time: {initial: 0}
+phases:
+  down: {time: {final: 1}, states: {x: {initial: 0}}}
+  up: {time: {final: 3}, integrals: {work: u**2}}
+links:
+  - {from: down, to: up, except: [y]}
+  - {from: up, to: down, except: [x]}
+  - {expression: "down.y[initial]", equals: 1}
+  - "down.y[final] = 0.8"
+  - {expression: "up.y[initial] - 0.9", equals: 0}
+constraints: {boundary: [{expression: "x[final]", equals: 1.5}]}
+objective: {minimize: {terminal: "(1 + up.work[final])/x[final]"}}
+"""
+
+
+def test_conditions_between_phases_are_known_values_of_the_line():
+    """Without them x is 0 along the guess, and the objective has no value."""
+    problem = build(load_text(GAIT, "gait.yaml"))
+    down, up = (phase.guess.values for phase in problem.phases)
+    assert [down["x"][0], down["x"][-1], up["x"][-1]] == pytest.approx([0, 0.5, 1.5])
+    assert [down["y"][0], down["y"][-1], up["y"][0], up["y"][-1]] == pytest.approx([1, 0.8, 0.9, 0.9])
+    assert solve(problem, schedule_of(load_text(GAIT, "gait.yaml"))).solved

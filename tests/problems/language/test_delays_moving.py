@@ -57,7 +57,8 @@ def test_a_free_final_time(overrides, bar):
 
 def test_a_result_with_free_times_is_verified_and_read_back(tmp_path):
     text = FASTEST.replace("lower: -1, upper: 1", "").replace('terminal: "t[final]"', "integral: 0.3 + u**2")
-    (tmp_path / "late.yaml").write_text(text.replace("final: 2", "final: 1"))
+    mesh = "mesh: [{method: radau, degree: 4, segments: 4}]\n"
+    (tmp_path / "late.yaml").write_text(text.replace("final: 2", "final: 1") + mesh)
     result = tmp_path / "late.h5"
     assert run("solve", tmp_path / "late.yaml", "-q", "-o", result).exit_code == 0
     told = run("verify", result)

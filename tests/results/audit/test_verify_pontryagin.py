@@ -157,7 +157,7 @@ def test_a_jump_of_the_control_or_of_a_multiplier_is_no_failure(tmp_path, name):
 
 
 def test_the_overshoot_of_a_jump_over_two_segments_is_no_failure(tmp_path):
-    overrides = ["mesh=[{method: runge-kutta-4, segments: 20}]", "refine={}"]
+    overrides = ["mesh=[{method: runge-kutta-4, segments: 12}]", "refine={}"]
     stored(tmp_path / "a.h5", load(shipped()["block_move_min_work"], overrides))
     assert not failed(checked(tmp_path / "a.h5", anew=False))
 

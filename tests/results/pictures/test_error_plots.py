@@ -67,10 +67,10 @@ def test_pictures_say_why_there_is_no_bar(solved, name, why):
         (text,) = ax.texts
         assert text.get_text().replace("\n", " ") == f"no error bar of the objective: {why}"
         assert not ax.axison
-    assert trajopt("plot", solved(name), "--error", "--mesh", "-o", "both.pdf", "--force").exit_code == 0
+    assert trajopt("plot", solved(name), "--error", "--mesh").exit_code == 0
 
 
-@pytest.mark.parametrize("name", ["cartpole", "pendulum", "biped"])
+@pytest.mark.parametrize("name", ["pendulum", "biped"])
 def test_panels_of_the_errors_and_of_the_meshes_do_not_overlap(solved, name):
     result = read(solved(name))
     for figure in (error_plots.error_figure(result), mesh_plots.mesh_figure(result)):

@@ -237,9 +237,11 @@ def test_settings_reach_every_mesh():
 
 
 @pytest.mark.parametrize(
-    ("segments", "options", "scaling"), [(20, {}, None), (7_000, {}, 0), (7_000, {"mumps_scaling": 77}, 77)]
+    ("segments", "options", "scaling"), [(20, {}, None), (40, {}, 0), (40, {"mumps_scaling": 77}, 77)]
 )
-def test_a_large_program_has_defaults_of_its_own_and_the_users_go_before(segments, options, scaling):
+def test_a_large_program_has_defaults_of_its_own_and_the_users_go_before(segments, options, scaling, monkeypatch):
+    """As if 100 unknowns were many."""
+    monkeypatch.setattr(ipopt, "LARGE", 100)
     problem = build(load(shipped()["block_move_min_force"]))
     settings = Settings(options, coarse_start=False)
     found = solve(problem, [Step("trapezoid", segments, 1e-8)], settings)

@@ -127,7 +127,7 @@ def check(reference: Reference, suffix: str, path: Path) -> None:
         assert found.constraints[row] == pytest.approx(slacks, rel=1e-9, abs=max(1e-12, rounding)), row
 
 
-def of_file(path: Path, segments: int = 3) -> Reference:
+def of_file(path: Path, segments: int = 2) -> Reference:
     spec = load(path)
     return Reference(build(spec), replace(steps(spec.mesh)[-1], segments=segments, degree=None).mesh())
 
@@ -236,7 +236,7 @@ def test_tex_reads_every_line(folder):
     bodies = re.findall(r"\\begin\{align\*\}\n(.*?)\\end\{align\*\}", text, re.DOTALL)
     rows = [row for body in bodies for row in re.sub(r"\\bigg[lr]", "", body).split("\\\\\n")]
     assert len(rows) > 50
-    for row in rows:
+    for row in {re.sub(r"\d+", "0", row): row for row in rows}.values():
         assert row.startswith("& ") and len(row) < 400
         parser.parse(f"${row[2:].strip()}$")
 

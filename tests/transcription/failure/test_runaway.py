@@ -23,6 +23,14 @@ UNBOUNDED = {
         ),
         "the final time runs to ",
     ),
+    "a time under a bounded force": (
+        problem(
+            states="x: {rate: v, initial: 0}, v: {rate: u, initial: 0}",
+            objective='terminal: "-x[final] - t[final]"',
+            final="{lower: 1, guess: 2}",
+        ),
+        "the final time runs to ",
+    ),
     "a parameter": (
         problem(
             states="x: {rate: u + 0*p, initial: 0, final: 1}",
@@ -40,6 +48,13 @@ def test_what_runs_away_is_named(case):
     solution = failed(text, max_iter=300)
     assert solution.trouble.startswith(words)
     assert "give it bounds, or check the sign of the objective" in solution.trouble
+
+
+@pytest.mark.parametrize(("rate", "cost", "base"), [("u - 0.47", "u**2/x", "x"), ("u - 1", "u**2/(x - 0.2)", "x")])
+def test_a_division_by_what_changes_its_sign(rate, cost, base):
+    """With u = 0 the cost is 0 and stationary whatever its divisor is; with another u it has no limit."""
+    solution = failed(problem(states=f"x: {{rate: {rate}, initial: 0.4}}", objective=f"integral: {cost}"))
+    assert solution.trouble.startswith("the objective divides by ") and f"give {base} a bound" in solution.trouble
 
 
 def named_dependent(extra: str) -> str:

@@ -228,3 +228,40 @@ def test_a_rate_constant_that_is_on_its_bound_is_so_in_every_unit():
         text = grows.replace("FINAL", repr(3 * factor)).replace("T1", repr(factor)).replace("T2", repr(2 * factor))
         found = estimates_of(text)
         assert np.isnan(found.deviations).all() and found.free == 0
+
+
+USED_UP = """
+trajopt: 1
+time: {initial: 0, final: 8}
+states: {S: {rate: -k*S/(K + S), initial: 2}}
+optimize: {k: {lower: 0.1, upper: 5, guess: 0.7}, K: {lower: 0.01, upper: 5, guess: 0.3}}
+measurements:
+  run: {data: {time: [0.4, 0.8, 1.2, 1.6, 2, 2.4], S: [1.62, 1.31, 0.93, 0.61, 0.41, 0.15]}, deviations: 0.02}
+mesh: [{method: radau, segments: 20}]
+"""
+
+
+@pytest.mark.parametrize(
+    "held", ["states.S.lower=0", "constraints={path: [{expression: S, lower: 0}]}", "states.S.lower=1e-12"]
+)
+def test_what_the_dynamics_take_to_its_bound_is_not_held_by_it(held):
+    """S is 1e-9 and less at the end: as near to zero as the barrier is, but where it is follows from k and K."""
+    free, bounded = estimates_of(USED_UP), estimates_of(USED_UP, held)
+    assert not bounded.why_not and bounded.free == free.free == 2
+    assert bounded.deviations == pytest.approx(free.deviations, rel=1e-4)
+    assert bounded.correlation == pytest.approx(free.correlation, rel=1e-4)
+
+
+def test_a_state_that_its_bound_holds_says_nothing():
+    """x(0) is free, but not below the value that the measurements ask for: k alone is estimated."""
+    text = """
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: -k*x, lower: 0.9, upper: 9}}
+optimize: {k: {lower: -1, upper: 1}}
+measurements: {run: {data: {time: [0, 0.5, 1], x: [0.5, 1.2, 1.5]}, deviations: 0.1}}
+mesh: [{method: radau, segments: 4}]
+"""
+    held, known = estimates_of(text), estimates_of(text.replace("lower: 0.9", "initial: 0.9"))
+    assert held.free == 1 and known.free == 1
+    assert held.deviations == pytest.approx(known.deviations, rel=1e-4)

@@ -287,3 +287,41 @@ def stored_experiments():
         )
         + "\n"
     )
+
+
+MONOD = """\
+trajopt: 1
+time: {initial: 0, final: 4}
+states: {S: {rate: -mu*S/(K + S)*X/Y, initial: 6}, X: {rate: mu*S/(K + S)*X, initial: 0.5}}
+optimize:
+  mu: {lower: 0.05, upper: 2, guess: 0.4}
+  K: {lower: 0.01, upper: 10, guess: 1}
+  Y: {lower: 0.1, upper: 1, guess: 0.5}
+measurements:
+  substrate: {data: {time: [0.5, 1, 1.7, 2.5, 3.2], S: [5.7, 5.1, 4, 2.13, 0.51]}, deviations: 0.08}
+  cells: {data: {time: [0.5, 1, 1, 1.7, 2.5, 4], X: [0.65, 0.84, 0.86, 1.36, 2.2, 3.19]}, deviations: 0.05}
+"""
+
+
+def test_what_is_measured_is_the_guess():
+    """The pole of the rate at S = -K lies between the straight guess and the solution: from there it was crossed."""
+    guess = build(load_text(MONOD, "monod.yaml")).phases[0].guess
+    at = lambda name, t: np.interp(t / 4, guess.s, guess.values[name])  # noqa: E731
+    assert [at("S", t) for t in (0, 0.25, 1, 4)] == pytest.approx([6, 5.85, 5.1, 0.51])
+    assert [at("X", t) for t in (0, 1, 2.5)] == pytest.approx([0.5, 0.85, 2.2])
+    solution, _ = solution_of(MONOD)
+    assert solution.solved and solution.estimates.residuals < 12
+    assert solution.estimates.values == pytest.approx([0.6, 0.8, 0.45], abs=0.15)
+
+
+@pytest.mark.parametrize(
+    "guess", ["guess={constants: {S: 3}}", "guess={keyframes: {S: [3, 3]}}", "phases.two.guess={constants: {S: 3}}"]
+)
+def test_a_guess_of_the_file_goes_before_what_is_measured(guess):
+    text = MONOD.replace("optimize:", "phases:\n  one: {time: {final: 2}}\n  two: {}\noptimize:", 1)
+    moved = "\n    measurements: {substrate: {data: {time: [2.5, 3.2], S: [2.13, 0.51]}, deviations: 0.08}}"
+    text = text[: text.index("measurements:")].replace("two: {}", f"two:{moved}")
+    own = build(load_text(text, "monod.yaml", [guess])).phases[1].guess.values
+    assert own["S"] == pytest.approx(np.full_like(own["S"], 3))
+    first, second = (phase.guess.values["S"] for phase in build(load_text(text, "monod.yaml")).phases)
+    assert second[-1] == pytest.approx(0.51) and first[-1] == pytest.approx(2.13) and first[0] == 6

@@ -6,8 +6,8 @@ import pytest
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
+from trajopt.transcription.attempts.attempt import better
 from trajopt.transcription.engines.outcome import Status
-from trajopt.transcription.first_mesh import better
 from trajopt.transcription.loading import load_file
 from trajopt.transcription.settings import settings_of, steps
 from trajopt.transcription.solve import solve

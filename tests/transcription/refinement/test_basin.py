@@ -74,6 +74,17 @@ def test_a_descent_is_refined_to_the_end():
     assert solution.solved and not solution.inaccurate
 
 
+@pytest.mark.parametrize(("grown", "left"), [(1.0, False), (100.0, True)])
+def test_a_wide_bar_excuses_no_worse_optimum_where_the_error_has_grown(ways, grown, left):
+    """8.4 +- 2 on a finer mesh after 7.18547 +- 5e-6, or 20820 +- 1500 after 20842.283 +- 0.03, is another optimum."""
+    below, _ = ways
+    wide = replace(below.objective_error, bar=1e5 * below.objective_error.bar)
+    last = replace(below.meshes[-1], relative_error=grown * below.meshes[-1].relative_error)
+    moved = below.objective + 1e3 * below.objective_error.bar
+    worse = replace(below, objective=moved, objective_error=wide, meshes=(*below.meshes[:-1], last))
+    assert left_basin(below, worse) is left
+
+
 def test_for_a_maximum_the_smaller_one_is_worse(ways):
     below, above = (replace(own, problem=replace(own.problem, sense=-1)) for own in ways)
     assert left_basin(above, below) and not left_basin(below, above)

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from named import share
 
 from trajopt.problems.build import build_all
 from trajopt.transcription.engines.watch import Watch
@@ -100,6 +101,47 @@ def test_what_turns_at_every_point_chatters_and_what_jumps_does_not(bang_bang):
     ):
         trajectory.u[0, known] = values
         assert bool(chatter([trajectory], transcription)) == chatters
+
+
+def test_what_turns_once_in_each_segment_chatters_where_it_does_so_often(bang_bang):
+    """Three points on a level and a fourth above it; a bang-bang control has its switches farther apart."""
+    spec = load_yaml(BANG_BANG + "mesh: [{method: radau, degree: 4, segments: 40}]\n")
+    (problem, meshes, tolerance), *_ = planned(build_all(spec), schedule_of(spec))
+    found = solve_mesh(problem, meshes, tolerance, settings_of(spec), Origin(None, None), Watch(None, None, 0))[1]
+    (trajectory,), known = found.trajectories, found.transcription.phases[0].u[0] >= 0
+    k = np.arange(int(known.sum()))
+    for values, chatters in (
+        (0.1 * (k % 4 == 3), True),
+        (k / len(k) + 0.1 * (k % 4 == 3), True),
+        (0.1 * (k % 4 == 3) * (k < 40), False),  # ten times
+        (1.0 * (k % 8 < 4), False),  # a switch at each knot
+    ):
+        trajectory.u[0, known] = values
+        assert bool(chatter([trajectory], found.transcription)) == chatters
+
+
+ELBOW = """\
+trajopt: 1
+name: an elbow with two muscles
+parameters: {I: 0.1, g: 2.2, r1: 24, r2: 20, tau: 0.05}
+time: {initial: 0, final: 0.8}
+states:
+  q: {rate: w, initial: 0.2, final: 2.0}
+  w: {rate: (r1*a1 - r2*a2 - g*sin(q))/I, initial: 0, final: 0}
+  a1: {rate: (e1 - a1)/tau, initial: 0.05, lower: 0, upper: 1}
+  a2: {rate: (e2 - a2)/tau, initial: 0.05, lower: 0, upper: 1}
+controls: {e1: {lower: 0, upper: 1}, e2: {lower: 0, upper: 1}}
+objective: {minimize: {integral: a1**2 + a2**2}}
+"""
+
+
+@pytest.mark.parametrize("names", share(["e1 e2", "biceps triceps"], 1))
+def test_muscles_that_chatter_in_each_segment_are_damped_and_named(names):
+    first, second = names.split()
+    spec = load_yaml(ELBOW.replace("e1", first).replace("e2", second))
+    solution = solve(build_all(spec), schedule_of(spec), settings_of(spec))
+    assert not solution.unmet and solution.meshes[-1].segments < 200
+    assert any(f"{first} is hardly determined" in note and "chattered" in note for note in solution.notes)
 
 
 def test_goddard_in_feet_is_solved_in_one_phase():

@@ -1,0 +1,85 @@
+"""A first mesh without a solution: more segments from the same guess are tried, and told."""
+
+import json
+
+import pytest
+from command_line import trajopt
+
+ALP_RIDER = """
+trajopt: 1
+name: alp rider
+expressions:
+  p(t0, b): exp(-b*(t - t0)**2)
+time: {initial: 0, final: 20}
+states:
+  x1: {rate: -10*x1 + u1 + u2, initial: 2, final: 2}
+  x2: {rate: -2*x2 + u1 + 2*u2, initial: 1, final: 3}
+  x3: {rate: -3*x3 + 5*x4 + u1 - u2, initial: 2, final: 1}
+  x4: {rate: 5*x3 - 3*x4 + u1 + 3*u2, initial: 1, final: -2}
+controls: {u1: {}, u2: {}}
+objective: {minimize: {integral: 100*(x1**2 + x2**2 + x3**2 + x4**2) + 0.01*(u1**2 + u2**2)}}
+constraints:
+  path:
+    - name: terrain
+      expression: "x1**2 + x2**2 + x3**2 + x4**2 - 3*p(3, 12) - 3*p(6, 10) - 3*p(10, 6) - 8*p(15, 4)"
+      lower: 0.01
+refine: {max_meshes: 1}
+"""
+
+WAVE = """
+trajopt: 1
+name: follow a wave
+time: {initial: 0, final: 6}
+states:
+  POS: {rate: VEL, initial: 0}
+  VEL: {rate: FORCE, initial: RATE}
+controls: {FORCE: {lower: -LARGEST, upper: LARGEST}}
+objective: {minimize: {integral: FORCE**2}}
+constraints: {path: [{name: near the wave, expression: POS - sin(RATE*t), lower: -NEAR, upper: NEAR}]}
+"""
+
+
+def wave(rate: float, largest: float, near: float, names: str = "x v u") -> str:
+    text = WAVE.replace("RATE", str(rate)).replace("LARGEST", str(largest)).replace("NEAR", str(near))
+    for old, new in zip(("POS", "VEL", "FORCE"), names.split(), strict=True):
+        text = text.replace(old, new)
+    return text
+
+
+def solved(folder, text: str, *arguments) -> dict:
+    (folder / "problem.yaml").write_text(text)
+    return json.loads(trajopt("solve", "problem.yaml", "--json", *arguments).stdout)
+
+
+def test_a_mesh_that_crawls(folder):
+    """The alp rider on 10 segments takes 2203 iterations, on 20 some 200; Betts: 2030.856."""
+    summary = solved(folder, ALP_RIDER)
+    assert summary["solved"] and summary["objective"] == pytest.approx(2031, abs=20)
+    assert summary["meshes"][0]["segments"] == 20 and summary["meshes"][0]["iterations"] < 400
+    assert summary["notes"] == ["10 segments from the start of the file led to no solution (it crawled); 20 did"]
+
+
+@pytest.mark.parametrize("names", ["x v u", "height speed thrust"])
+def test_a_mesh_that_holds_no_solution(names, folder):
+    """Ten waves on ten segments: no polynomials of degree 4 follow them, those of twenty do."""
+    summary = solved(folder, wave(10, 110, 0.05, names) + "refine: {max_meshes: 1}\n")
+    assert summary["solved"] and summary["objective"] == pytest.approx(26628, rel=0.1)
+    assert summary["meshes"][0]["segments"] == 20
+    assert summary["notes"][0].endswith("(the constraints contradict each other near this point); 20 did")
+
+
+def test_a_mesh_of_the_user_stays(folder):
+    """Where no refinement follows, the result is of the mesh of the file, and the note tells how many do."""
+    text = wave(5, 26, 0.03) + "mesh: [{method: hermite-simpson, segments: 10}]\n"
+    summary = solved(folder, text)
+    assert not summary["solved"]
+    assert [mesh["segments"] for mesh in summary["meshes"]] == [10]
+    assert summary["notes"][0].endswith(", 20 did: take as many")
+    assert solved(folder, text, "--segments", "20")["solved"]
+
+
+def test_what_cannot_be_followed_on_any_mesh_is_told_as_before(folder):
+    """The wave asks for accelerations up to 25: no number of segments makes 5 enough."""
+    summary = solved(folder, wave(5, 5, 0.03))
+    assert not summary["solved"] and summary["violations"]
+    assert not any("segments" in note for note in summary["notes"])

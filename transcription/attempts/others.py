@@ -1,0 +1,109 @@
+"""Other starts: where the problem's own failed or is doubtful, and where other optima cost little to look for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+
+from ...problems.problem import Problem
+from ..engines.outcome import Status
+from ..engines.watch import Limit
+from ..one_mesh import Found
+from ..solution.solution import Solution
+from ..starts.drawn import chosen_parameters, other_parameters
+from ..starts.other import OtherStart, other_starts, without_effect
+from ..structure.several import may_have_several
+from .attempt import Attempt, better
+
+MANY = "the problem may have other optima than that near its guess"
+"""What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
+
+MORE, FEW = 8, 4
+"""Starts with other static parameters: of a problem without time, and of others."""
+
+BOTH_SIDES = 2
+"""Of the other starts: controls above, and below, the middle of their bounds."""
+
+
+def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
+    """The best of the first solution and those from other starts, as far as they are worth a try.
+
+    attempt: the solve that led to the first.
+    first: a solution, or none.
+    limit: of all that is tried.
+    """
+    problem, own = attempt.problem, first[0]
+    idle = without_effect(problem, [phase.guess for phase in problem.phases])
+    doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(attempt, first) if own.status.usable else "")
+    explained = own.status is Status.MAX_ITERATIONS and own.trouble  # no start mends what runs away, or has a kink
+    if (own.status.usable and not doubt) or explained:
+        return first
+    best, words, tried = first, "", 0
+    for other in _others(problem, own.status.usable, doubt == MANY):
+        if limit.reached():
+            break
+        tried += 1
+        found = attempt.run(other.guesses, limit)
+        if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(attempt, found, best, limit)):
+            best, words = found, other.words
+            if not doubt:
+                break
+    if doubt == MANY and not words:  # it is so of every such problem
+        return first
+    return replace(best[0], notes=(*best[0].notes, _told(own, idle, doubt, words, tried))), best[1]
+
+
+def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
+    """What else to start from; usable: whether the problem's own start led to a solution; many: to one of many."""
+    if many and chosen_parameters(problem):
+        timeless = all(phase.static for phase in problem.phases)
+        return other_parameters(problem, MORE if timeless else FEW)
+    return islice(other_starts(problem, doubtful=usable), BOTH_SIDES if many else None)
+
+
+def _one_of_many(attempt: Attempt, found: Found) -> str:
+    """Why a solution is doubtful that cost little and may be one of many; "" if it is not."""
+    solution, solved = found
+    if not may_have_several(solution, solved.nlp):
+        return ""
+    timeless = all(phase.static for phase in attempt.problem.phases)
+    return MANY if timeless or attempt.divisible(2) else ""
+
+
+def _stays_better(attempt: Attempt, new: Found, old: Found, limit: Limit) -> bool:
+    """Whether a solution is better than another with twice the segments too: on few points it may be so by what they
+    do not see."""
+    if all(phase.static for phase in attempt.problem.phases):
+        return True
+    finer = [attempt.run(found[0].trajectories, limit, times=2)[0] for found in (new, old)]
+    return finer[0].status.usable and better(finer[0], finer[1], attempt.problem.sense)
+
+
+def _had_no_effect(idle: Sequence[str]) -> str:
+    """Why a start is doubtful at which these controls do nothing; "" for none."""
+    return f"{', '.join(idle)} had no effect at the start of the file" if idle else ""
+
+
+def _shrunk(solution: Solution) -> str:
+    """Why a solution is doubtful in which a phase of free duration has next to none; "" if there is no such phase."""
+    names = [
+        trajectory.phase.name
+        for trajectory in solution.trajectories
+        if not (trajectory.phase.exact or trajectory.lasts)
+    ]
+    which = f"phase{'s' * (len(names) > 1)} {', '.join(names)}" if len(solution.trajectories) > 1 else "the time"
+    return f"{which} shrank to nothing from the start of the file" if names else ""
+
+
+def _told(own: Solution, idle: list[str], doubt: str, words: str, tried: int) -> str:
+    """What was done, and what the user can do; words: of the start that was kept, "" for the problem's own."""
+    advice = f"; give a guess of {', '.join(idle)} at which it acts" if idle else ""
+    if not own.status.usable:
+        others = f"{tried} other start{'s' if tried != 1 else ''} failed too"
+        outcome = f"this is the solution from another: {words}" if words else others
+        return f"the start of the file failed ({own.status.message}); {outcome}{advice}"
+    if words:
+        more = "; --starts 50 looks for better ones" if doubt == MANY else ""
+        return f"{doubt}, which led to {own.objective:.6g}; this is the solution from another: {words}{more}"
+    return f"{doubt}; of {tried} other starts none led to a better solution{advice}"
