@@ -10,7 +10,7 @@ from ..problems.conserved.invariant import kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.kept import Candidates, Kept
-from .again.next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, before_goal, next_solve
+from .again.next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, meets_first, next_solve
 from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
 from .again.tightened import tightened
 from .engines.outcome import Status
@@ -83,10 +83,11 @@ class _Loop:
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
     discarded: those whose solves were not kept.
-    last: the solution to give back. candidates: those that may stand in its place. stopped: why no mesh came after its
-    own. unmet: its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls
-    chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
+    last: the solution to give back. candidates: those that may stand in its place. before_goal: meshes are refined by
+    the error of their segments, before a finer goal for the objective. stopped: why no mesh came after its own. unmet:
+    its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls chatter, and
+    damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
+    those of the last.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
     stands in place of the problem's own.
     """
@@ -103,6 +104,7 @@ class _Loop:
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
         self.candidates = Candidates(settings)
+        self.before_goal = accuracy(settings.refine) < FIRST and bool(settings.refine and settings.refine.objective)
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -121,8 +123,7 @@ class _Loop:
                 self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
             if self.settings.refine:
-                asked = FIRST if before_goal(found[0], self.settings.refine) else accuracy(self.settings.refine)
-                found = sharpened(found, self.settings, asked, self._watch())
+                found = self._sharpened(found, self.settings.refine)
             self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
@@ -141,12 +142,20 @@ class _Loop:
         self._back_to_the_best()
         return self._told()
 
+    def _sharpened(self, found: Found, refine: Refine) -> Found:
+        """The solution without what the barrier leaves; of a mesh before the goal, to what comes first."""
+        if self.before_goal:
+            found = sharpened(found, self.settings, FIRST, self._watch())
+            self.before_goal = found[0].status.usable and not meets_first(found[0])
+        return found if self.before_goal else sharpened(found, self.settings, accuracy(refine), self._watch())
+
     def _take(self, number: int, found: Found) -> None:
         """Make a solution the one to give back, and see what comes after it."""
         self.last, self.lower = found, None
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
-            self._refine(number, found, self.settings.refine)
+            asked = self.settings.refine
+            self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
         self.candidates.add(Kept(found, self.unmet, len(self.history)), number + 1 >= self.scheduled)
 
     def _back_to_the_best(self) -> None:
@@ -254,7 +263,7 @@ class _Loop:
             more = [self.steps[number]]
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
-        barrier = goal.beyond_engine if goal and not before_goal(solution, refine) else ""
+        barrier = goal.beyond_engine if goal else ""
         if more and (why := barrier or self._in_vain(refine)):
             self.stopped = why
             return

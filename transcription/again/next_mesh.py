@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import partial
 
 from ..refinement.goal import Goal
-from ..refinement.refine import Refinement, refine
+from ..refinement.refine import refine
 from ..settings import Refine
-from ..solution.error import ErrorProfile
 from ..solution.solution import Solution
 from ..transcribe import Planned
 
@@ -41,19 +40,14 @@ def accuracy(refine: Refine | None) -> float:
     return asked.objective or asked.tolerance
 
 
-def _refined(solution: Solution, errors: Sequence[ErrorProfile], tolerance: float, merge: bool) -> list[Refinement]:
-    return [refine(*own, tolerance, merge) for own in zip(solution.trajectories, errors, strict=True)]
+def meets_first(solution: Solution) -> bool:
+    """Whether all segments meet FIRST, so that a finer goal for the error bar can be gone for.
 
-
-def before_goal(solution: Solution, settings: Refine | None) -> bool:
-    """Whether a mesh is refined by the error of its segments first, for a finer goal to be gone for from there.
-
-    Until they meet FIRST the mesh closes in on switches; refined for the goal at once, it has many segments everywhere
-    and finds the switches no more.
+    Until then the mesh closes in on switches; refined for the goal at once, it has many segments everywhere, and finds
+    the switches no more.
     """
-    if settings is None or settings.objective is None or settings.objective >= FIRST:
-        return False
-    return any(refinement.unmet for refinement in _refined(solution, solution.errors, FIRST, merge=False))
+    pairs = zip(solution.trajectories, solution.errors, strict=True)
+    return not any(refine(*own, FIRST, merge=False).unmet for own in pairs)
 
 
 def next_solve(
@@ -73,13 +67,11 @@ def next_solve(
     tolerance: of the engine, on the last mesh.
     merge: as of `refine`.
     left: the number of meshes that may still come.
-    goal: for the error bar of the objective, in place of the error of the segments, but on meshes `before_goal`.
+    goal: for the error bar of the objective, in place of the error of the segments.
     """
     problem, meshes, solved_to = step
-    if goal and not goal.reached and before_goal(solution, settings):
-        goal, settings, tolerance = None, Refine(FIRST, settings.max_meshes), max(tolerance, ENGINE_SHARE * FIRST)
-    wanted = goal.tolerance if goal else settings.tolerance
-    found = _refined(solution, goal.errors if goal else solution.errors, wanted, merge)
+    how = partial(refine, tolerance=goal.tolerance if goal else settings.tolerance, merge=merge)
+    found = list(map(how, solution.trajectories, goal.errors if goal else solution.errors))
     unmet = tuple(segment for refinement in found for segment in refinement.unmet)
     if goal and goal.reached:
         unmet = ()
