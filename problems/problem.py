@@ -189,7 +189,10 @@ class Phase:
         return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
+        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`.
+
+        t, x, u, p: as of `arguments`.
+        """
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
             rates = [np.broadcast_to(rate, np.shape(t)) for rate in self.rates(values, np)]

@@ -33,7 +33,7 @@ class Family:
     scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
-    component: Any  # a Constraint of Pyomo, or shooting's `Rows`
+    component: Any  # a Constraint of Pyomo, or shooting's `ConstraintRows`
     phase: str
     kind: ConstraintKind
     name: str

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.conserved.invariant import kept
+from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.kept import Candidates, Kept
@@ -19,12 +19,12 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
-from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
+from .refinement.basin import in_vain, left_basin, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
 from .settings import DEFAULT, Refine, Settings
-from .solution.solution import MeshRecord, Solution, with_bar
+from .solution.solution import MeshRecord, Solution, with_error_bar
 from .starts.near import Near
 from .transcribe import Planned, Schedule, planned, refused
 
@@ -264,7 +264,7 @@ class _Loop:
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
         barrier = goal.beyond_engine if goal else ""
-        if more and (why := barrier or self._in_vain(refine)):
+        if more and (why := barrier or in_vain(self.history[self.scheduled - 1 :], refine.tolerance, refine.objective)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
@@ -272,20 +272,12 @@ class _Loop:
             return
         self.steps += more
 
-    def _in_vain(self, refine: Refine) -> str:
-        """Why no finer mesh would help, or ""."""
-        meshes = self.history[self.scheduled - 1 :]
-        asked, errors = refine.tolerance, [mesh.relative_error for mesh in meshes]
-        if refine.objective:
-            asked, errors = refine.objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
-        return stalled(meshes, refine.tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
-
     def _told(self) -> Solution:
         assert self.last is not None
         gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *kept(solution.problem))
+        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
             completed(solution, solved),
             meshes=(*self.history[:-1], solution.meshes[-1]),
@@ -302,7 +294,7 @@ class _Loop:
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""
-        wider = with_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
+        wider = with_error_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
         asked = self.settings.refine and self.settings.refine.objective
         missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
         return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider

@@ -48,7 +48,7 @@ def has_loops(node: Any) -> bool:
     return False
 
 
-def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
+def templates_written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     """The data of a file with all templates written out.
 
     data: as the file has them, overridden parameters in them.

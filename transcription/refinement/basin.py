@@ -73,6 +73,19 @@ def _exceeded(solution: Solution) -> float:
     return max(float(np.max(error.largest_excess * own.mesh.widths, initial=0.0)) for own, error in pairs)
 
 
+def in_vain(meshes: Sequence[MeshRecord], tolerance: float, objective: float | None) -> str:
+    """Why no finer mesh would help, or "".
+
+    meshes: those of refinement so far.
+    tolerance: of the relative error, that is asked for.
+    objective: accuracy of the objective that is asked for, relative to 1 + |J|, if any.
+    """
+    asked, errors = tolerance, [mesh.relative_error for mesh in meshes]
+    if objective:
+        asked, errors = objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
+    return stalled(meshes, tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
+
+
 def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:
     """Why a mesh still finer would be of no use, or "": on the last two neither the error bar nor the error has fallen.
 

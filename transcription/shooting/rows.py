@@ -39,7 +39,7 @@ MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ConstraintRows:
     """The rows of one group of constraints, in the order of their times, and their common bounds."""
 
     name: str
@@ -213,7 +213,7 @@ class _RowBuilder:
     ) -> None:
         if rows.size:
             span = np.atleast_2d(np.transpose(span))
-            component = Rows(f"{kind} {name}", rows, bounds)
+            component = ConstraintRows(f"{kind} {name}", rows, bounds)
             weights = np.broadcast_to(weights, len(span))
             self.families.append(Family(component, self.phase.name, kind, name, span, weights, group))
 
