@@ -10,7 +10,7 @@ from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.loading import build_checked, load_file
 from trajopt.transcription.refinement.basin import nearer
 from trajopt.transcription.settings import Refine, Settings
-from trajopt.transcription.solution.solution import with_bar
+from trajopt.transcription.solution.solution import with_error_bar
 
 
 def solved(name, *overrides):
@@ -47,7 +47,7 @@ def mesh():
 def at(solution, objective, bar, error=1e-8):
     """The solution, as if it had this objective, error bar and error."""
     record = replace(solution.meshes[-1], relative_error=error, objective_error=bar)
-    return with_bar(replace(solution, objective=objective, meshes=(record,)), bar)
+    return with_error_bar(replace(solution, objective=objective, meshes=(record,)), bar)
 
 
 @pytest.mark.parametrize(
