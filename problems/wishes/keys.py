@@ -245,7 +245,7 @@ def key_wish(path: Path, value: Any) -> Wish | None:
 def _by_value(kind: str, word: str, value: Any, path: Path) -> Wish | None:
     """What is said of a word that says nothing, by what it is given."""
     if kind == "measured" and isinstance(value, list):
-        return Wish("", "columns stand under data:", f"data: {{{entry(word, value)}}}, with the others beside it")
+        return Wish("", "columns stand under data", f"data: {{{entry(word, value)}}}, with the others beside it")
     if kind == "guess" and isinstance(value, dict):
         line = f"phases: {{{word}: {{{entry('guess', value)}}}}}"
         return Wish("", "what a phase guesses stands in the phase", line)
