@@ -200,3 +200,10 @@ def test_conditions_between_phases_have_a_price(methods, tmp_path):
     summary = summarize(written(solution, spec, tmp_path))
     assert summary["prices"] == pytest.approx(exact, abs=1e-6)
     assert "gate" not in summary["phases"]["a"]["prices"]
+
+
+def test_the_table_of_meshes_names_the_methods_of_all_phases(tmp_path):
+    spec = loaded(MOVE, "phases.first.mesh=[{method: radau, segments: 3}]")
+    summary = summarize(written(solve(build(spec), schedule_of(spec)), spec, tmp_path))
+    assert [mesh["method"] for mesh in summary["meshes"]] == ["radau, hermite-simpson"]
+    assert [phase["method"] for phase in summary["phases"].values()] == ["radau", "hermite-simpson"]
