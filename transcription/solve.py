@@ -9,7 +9,8 @@ from itertools import count
 from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
-from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
+from .again.kept import Candidates, Kept
+from .again.next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, meets_first, next_solve
 from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
 from .again.tightened import tightened
 from .engines.outcome import Status
@@ -67,8 +68,9 @@ def solve(
 
     A failed solve ends the schedule and is told by the status; one on a refined mesh ends refinement, and the solution
     before it is kept. So it is when a later mesh of the same problem is interrupted or runs out of time, and when the
-    last ones end at acceptable points only, unless `accept` asks for no more. The history tells of every mesh solved, a
-    coarse one before a large first one too.
+    last ones end at acceptable points only, unless `accept` asks for no more. Where the last mesh misses what is asked
+    for, and one before it is more exact (see `nearer`), that one is given back. The history tells of every mesh solved,
+    a coarse one before a large first one too.
 
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
@@ -81,10 +83,11 @@ class _Loop:
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
     discarded: those whose solves were not kept.
-    last: the solution to give back. optimal: the last that is optimal, its segments that miss the tolerance, and how
-    much of the history leads to it. stopped: why no mesh came after its own. unmet: its segments that miss the
-    tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
+    last: the solution to give back. candidates: those that may stand in its place. before_goal: meshes are refined by
+    the error of their segments, before a finer goal for the objective. stopped: why no mesh came after its own. unmet:
+    its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls chatter, and
+    damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
+    those of the last.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
     stands in place of the problem's own.
     """
@@ -100,7 +103,8 @@ class _Loop:
         self.limit = Limit(settings.seconds, stop)
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
-        self.optimal: tuple[Found, tuple[str, ...], int] | None = None
+        self.candidates = Candidates(settings)
+        self.before_goal = accuracy(settings.refine) < FIRST and bool(settings.refine and settings.refine.objective)
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -119,14 +123,14 @@ class _Loop:
                 self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
             if self.settings.refine:
-                found = sharpened(found, self.settings, accuracy(self.settings.refine), self._watch())
+                found = self._sharpened(found, self.settings.refine)
             self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
                 break
             while other := self._lowered(number, found):
                 del self.history[-len(found[0].meshes) :]
-                found = other
+                found, self.candidates = other, Candidates(self.settings)
                 self._take(number, found)
             start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
@@ -135,30 +139,34 @@ class _Loop:
                 why = "interrupted" if self.limit.asked() else "the time limit came"
                 self.stopped = f"{why} before the next mesh"
                 break
-        self._back_to_optimal()
+        self._back_to_the_best()
         return self._told()
+
+    def _sharpened(self, found: Found, refine: Refine) -> Found:
+        """The solution without what the barrier leaves; of a mesh before the goal, to what comes first."""
+        if self.before_goal:
+            found = sharpened(found, self.settings, FIRST, self._watch())
+            self.before_goal = found[0].status.usable and not meets_first(found[0])
+        return found if self.before_goal else sharpened(found, self.settings, accuracy(refine), self._watch())
 
     def _take(self, number: int, found: Found) -> None:
         """Make a solution the one to give back, and see what comes after it."""
         self.last, self.lower = found, None
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
-            self._refine(number, found, self.settings.refine)
-        if found[0].status is not Status.ACCEPTABLE:
-            self.optimal = found, self.unmet, len(self.history)
+            asked = self.settings.refine
+            self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
+        self.candidates.add(Kept(found, self.unmet, len(self.history)), number + 1 >= self.scheduled)
 
-    def _back_to_optimal(self) -> None:
-        """Give back the last mesh of the same problem that ended at an optimal point, if finer ones are acceptable."""
+    def _back_to_the_best(self) -> None:
         assert self.last is not None
-        last = self.last[0]
-        if last.status is not Status.ACCEPTABLE or self.settings.accept is Status.ACCEPTABLE:
-            return
-        if not self.optimal or self.optimal[0][0].problem is not last.problem:
-            return
-        self.last, self.unmet, known = self.optimal
-        self.stopped = self.history[known].why_not_kept
-        self.discarded += tuple(self.history[known:])
-        del self.history[known:]
+        missed = bool(self.unmet or self.stopped)
+        while instead := self.candidates.instead_of(self.last, missed, self.stopped, self.history):
+            back, self.stopped = instead
+            self.last, self.unmet = back.found, back.unmet
+            self.lower = lower_hamiltonian(*self.last, NOTICED)
+            self.discarded += tuple(self.history[back.known :])
+            del self.history[back.known :]
 
     def _lowered(self, number: int, found: Found) -> Found | None:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is

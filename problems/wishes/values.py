@@ -70,6 +70,7 @@ def value_wish(path: Path, given: Any) -> Words | None:
         _end(path, given)
         or _not_a_value(path, given)
         or _section(path, given)
+        or _table(path, given)
         or _entry(path, given)
         or _constraint(path, given)
     )
@@ -113,6 +114,17 @@ def leave_out(path: Path) -> str:
     if path[0] == "time":
         return f"a free time has a range and a guess: write {key}: {{lower: 0.1, upper: 10, guess: 1}}"
     return f"leave {key}: out" + (" for no bound" if key in ("lower", "upper") else ", for what is not given is free")
+
+
+def _table(path: Path, given: Any) -> Words | None:
+    """A table that is the name of its file, and points without that of their argument."""
+    match path:
+        case ("tables", name) if isinstance(given, str) and _CSV.fullmatch(given):
+            return "the columns of a CSV file are a table by a key of it", f"write {name}: {{file: {given}}}"
+        case ("tables", _, "points") if isinstance(given, list) and given:
+            line = entry("points", {"x": given})
+            return "points are of an argument, by its name", f"write {line}, with its name for x"
+    return None
 
 
 def _section(path: Path, given: Any) -> Words | None:

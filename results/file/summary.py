@@ -111,7 +111,8 @@ def _value(text: str) -> Any:
 def _attributes(mesh: h5py.Group) -> dict[str, Any]:
     plain = {key: value for key, value in mesh.attrs.items() if key in MESH.attributes}
     seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
-    return {**plain, **bar_of(mesh.attrs), "seconds": seconds}
+    methods = ", ".join(dict.fromkeys(own.attrs["method"] for own in stored_meshes(mesh)))  # one for each phase
+    return {**plain, "method": methods, **bar_of(mesh.attrs), "seconds": seconds}
 
 
 def _reference(file: h5py.File) -> dict[str, Any] | None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import trajopt
+from named import ALL
 
 from trajopt.problems.phases.split import PhasePart, why_not
 from trajopt.problems.phases.split_each import split
@@ -64,9 +65,10 @@ EXACT = [
     (JERK, 2.6, 7, 1e-10),
     (STOCK, 0.25 * (10 - RUN_DOWN - np.log(4)) + RUN_DOWN, 3, 1e-9),
     (POWER, limited_power(), 3, 2e-7),
-    (ENERGY, limited_energy(), 3, 1e-8),
     ("bryson_denham", 4, 3, 1e-9),
 ]
+if ALL:  # else within phases, in test_polish_phases.py
+    EXACT.append((ENERGY, limited_energy(), 3, 1e-8))
 
 
 @pytest.mark.parametrize(("text", "exact", "phases", "within"), EXACT)
