@@ -74,7 +74,7 @@ def by_parts(
             places[part.parameters] = parameters
         new = np.flatnonzero(places < 0)
         places[new] = len(variables) + np.arange(len(new))
-        variables += [part.variables[k] for k in new]
+        variables += [part.variables[k] for k in new.tolist()]
         parameters = places[part.parameters]
         parts.append(PartProgram(method, part, places))
         layouts |= {i: _moved(layout, places) for i, layout in zip(numbers, part.phases, strict=True)}
