@@ -30,7 +30,7 @@ from ..libraries.alone import LOCK
 from ..method_kind import DataNumber, Numbers, Program
 from ..program.compiled import CompiledNLP
 from ..schemes.mesh import Mesh
-from .forms import GROUPS, Forms, data_of, forms_of
+from .forms import GROUPS, Forms, forms_of, numbers_as_data
 
 MOST, UNKNOWNS = 16, 50_000
 """Programs that are kept, and the unknowns of all of them: with its Pyomo model each takes 1 kB for an unknown."""
@@ -140,7 +140,7 @@ def _again(kept: KeptProgram, problem: Problem, forms: Forms, guess: Sequence[Cu
     layouts = tuple(replace(own, phase=phase) for own, phase in zip(old.phases, problem.phases, strict=True))
     variables = Unknowns(*_unknowns(problem, layouts, old.parameters, guess))
     built = time.perf_counter()
-    values = data_of(problem, forms)
+    values = numbers_as_data(problem, forms)
     numbers = {slot: values[key] for key, slot in kept.nlp.slots.items()}
     nlp = kept.nlp.with_numbers(numbers, *_bounds(problem, old, kept.nlp))
     return Program(replace(old, problem=problem, variables=variables, phases=layouts), nlp, built)
@@ -154,7 +154,7 @@ def _is_told_by_numbers(transcription: Transcription, nlp: CompiledNLP, forms: F
     told = [*_unknowns(problem, transcription.phases, transcription.parameters, guess)]
     told += _bounds(problem, transcription, nlp)
     had = [*bounded_start(transcription), nlp.cl, nlp.cu]
-    values = data_of(problem, forms)
+    values = numbers_as_data(problem, forms)
     return all(map(np.array_equal, told, had)) and all(values[key] == nlp.number(k) for key, k in nlp.slots.items())
 
 
@@ -231,7 +231,7 @@ def _each(forms: Forms) -> tuple:
 
 
 def _in_slots(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], DataNumber]:
-    values = data_of(transcription.problem, forms)
+    values = numbers_as_data(transcription.problem, forms)
     return {key: DataNumber(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
 
 

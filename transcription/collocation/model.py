@@ -98,7 +98,7 @@ def by_model(
 
 
 def compiled_model(transcription: Transcription, backend: str | None = None) -> CompiledNLP:
-    """The nonlinear program of a templated model; its slots are those of `forms.data_of`.
+    """The nonlinear program of a templated model; its slots are those of `forms.numbers_as_data`.
 
     transcription: by `by_model`.
     backend: as of `compile_model`.

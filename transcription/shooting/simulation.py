@@ -49,7 +49,7 @@ class Segments:
         self.columns, self.fixed, self.dynamics, self.path = columns, fixed, dynamics, path
         self.n, self.n_u, self.n_p = sizes
         self.bounded = np.array(bounded, int)
-        self.held = held(self.scheme)
+        self.held = nodes_of_path(self.scheme)
         self.per = len(self.held) // self.scheme.substeps  # points on a substep
         self.edges, self.widths = mesh.edges[group.segments], mesh.widths[group.segments]
         self.nodes = self.n + 2 + self.n_p  # the place of u in y
@@ -227,7 +227,7 @@ class Segments:
         return H
 
 
-def held(scheme: Shooting) -> np.ndarray:
+def nodes_of_path(scheme: Shooting) -> np.ndarray:
     """The state nodes of a segment at which path constraints hold, the last node being the next segment's."""
     return np.arange(0, len(scheme.sigma) - 1, 2 if scheme.control == "constant" else 1)
 

@@ -19,10 +19,10 @@ from trajopt.problems.errors import Mistake, SpecError
 from trajopt.transcription import constraint_kinds
 from trajopt.transcription.cache import identity
 from trajopt.transcription.cache.entries import entries
+from trajopt.transcription.checked_files import ready
+from trajopt.transcription.checked_files.ready import ready_all
 from trajopt.transcription.collocation import kept
 from trajopt.transcription.constraint_kinds import KINDS, ConstraintKind
-from trajopt.transcription.files import ready
-from trajopt.transcription.files.ready import ready_all
 from trajopt.transcription.program import machine_code
 from trajopt.transcription.program.backend import told_apart
 
