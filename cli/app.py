@@ -83,7 +83,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
+        from ..problems.lean.versions import version
 
         print(f"trajopt {version('trajopt')}")
         raise typer.Exit

@@ -24,7 +24,7 @@ def exit_code(error: TrajoptError) -> int:
     return {SpecError: USER_MISTAKE, FileError: FILE_TROUBLE}[type(error)]
 
 
-def report(error: TrajoptError) -> None:
+def tell_error(error: TrajoptError) -> None:
     """One sentence for each mistake, on standard error."""
     for mistake in error.mistakes:
         path = mistake.where.removeprefix("--set ")
@@ -42,7 +42,7 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             with flushed_output():
                 function(*args, **kwargs)
         except TrajoptError as error:
-            report(error)
+            tell_error(error)
             raise typer.Exit(exit_code(error)) from None
 
     return run

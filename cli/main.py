@@ -49,14 +49,14 @@ def _run() -> int:
 
     try:
         from .app import app
-        from .errors import exit_code, report
+        from .errors import exit_code, tell_error
         from .streams import flushed_output
 
         try:
             with flushed_output():
                 app()
         except TrajoptError as error:  # of standard output, as in --help > /dev/full
-            report(error)
+            tell_error(error)
             return exit_code(error)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else int(ended.code is not None)

@@ -9,22 +9,22 @@ from functools import cached_property, partial
 from .conserved.implied import without_implied
 from .conserved.invariant import without_invariants
 from .expressions.expression import Expression
-from .expressions.tree import Chain, Link
+from .expressions.tree import Link, OperatorChain
 from .guess import finished, initial_guess
 from .guesses.delayed import with_delayed
 from .language.plain import shared_in_plain
 from .language.times import TimeParameter, beyond_parameter
 from .lean.records import dataclass
-from .measured import measured
+from .measured import measurements_of
 from .names.delays import DelayedState
 from .names.given import given
 from .names.occurrences import complementarity_names, constraint_names, constraints, residual_names
 from .names.symbols import Origin, Symbols
-from .names.variables import Declared, DeclaredState
+from .names.variables import DeclaredState, DeclaredVariable
 from .names.within import within_tables
 from .nonsmooth.rewrite import Consistent, Relation, consistent
 from .phases.guess import shared_names, through_phases
-from .phases.links import in_order, links_of
+from .phases.links import links_of, with_times_in_order
 from .phases.merge import home, phase_specs
 from .phases.order import before_in_time, own_entries, with_left_out
 from .problem import Phase, Problem
@@ -49,7 +49,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
     symbols = {name: builder.symbols for name, builder in builders.items()}
     phases = [builder.phase() for builder in builders.values()]
     if len(phases) > 1:
-        phases = list(map(in_order, phases))
+        phases = list(map(with_times_in_order, phases))
     specs = {name: builder.spec for name, builder in builders.items()}
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     phases = through_phases(shared, specs, symbols, phases, links)
@@ -153,7 +153,7 @@ class _Builder:
             time_unit=spec.time.unit,
             steps=round(times[1].lower - times[0].lower) if spec.discrete else 0,
             outputs=self.outputs(),
-            measured=tuple(measured(spec, symbols)),
+            measured=tuple(measurements_of(spec, symbols)),
             time_parameters={name: own.end for name, own in self.time_parameters.items()},
         )
         phase = without_invariants(within_tables(phase))
@@ -204,10 +204,10 @@ class _Builder:
         entry = self.spec.optimize[name]
         return Variable(name, entry.unit, self.symbols.range(entry, ("optimize", name), entry.unit))
 
-    def variable(self, declared: Declared) -> Variable:
+    def variable(self, declared: DeclaredVariable) -> Variable:
         return Variable(declared.name, declared.unit, self.bounds(declared, declared.entry))
 
-    def bounds(self, declared: Declared, entry: Bounded | None, *path: str) -> Range:
+    def bounds(self, declared: DeclaredVariable, entry: Bounded | None, *path: str) -> Range:
         """The range of an entry of a variable, which stands at a path below that of the variable."""
         given = self.symbols.range(entry, (*declared.path, *path), declared.unit)
         return given.intersection(Range(lower=0.0)) if declared.name in self.unsigned else given
@@ -264,7 +264,7 @@ class _Builder:
         """a*b <= relax of each pair."""
         for name, allowed, pair in self.pairs():
             text = "*".join(f"({own.text})" for own in pair.values())
-            both = Chain(0, len(text), pair["a"].root, (Link(0, len(text), "*", pair["b"].root),))
+            both = OperatorChain(0, len(text), pair["a"].root, (Link(0, len(text), "*", pair["b"].root),))
             yield Constraint(name, self.bound(Expression(text, both)), Range(upper=allowed))
 
     def signs(self) -> Iterator[Constraint]:

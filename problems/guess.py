@@ -10,7 +10,7 @@ import numpy as np
 from .guesses.conditions import conditioned
 from .guesses.observed import observed_rows
 from .guesses.rates import differentiated, integrated
-from .guesses.rows import Row, Span, combined, rows_of
+from .guesses.rows import GuessRow, GuessSpan, combined, rows_of
 from .guesses.simulated import POINTS, simulated
 from .names.symbols import Symbols
 from .problem import Guess, Phase
@@ -47,11 +47,11 @@ def initial_guess(
     }
     both = np.array([0.0, 1.0])
     asked = asked_ends(symbols, conditioned(boundary))
-    rows = {state.name: Row(both, np.array(ends(state, *asked[state.name]))) for state in states}
-    rows |= {variable.name: Row(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
-    span = Span(first, last, times[0].fixed and times[1].fixed)
+    rows = {state.name: GuessRow(both, np.array(ends(state, *asked[state.name]))) for state in states}
+    rows |= {variable.name: GuessRow(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
+    span = GuessSpan(first, last, times[0].fixed and times[1].fixed)
     rows |= observed_rows(spec, symbols, rows.keys(), span, asked)
-    rows |= {name: Row(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
+    rows |= {name: GuessRow(both, np.full(2, symbols.number(v, 0.0))) for name, v in spec.guess.constants.items()}
     rows |= {name: _formula(symbols.function(e), first, last, parameters) for name, e in spec.guess.formulas.items()}
     given = rows_of(spec.guess, symbols.number, span)
     rows |= {name: row for name, row in given.items() if name in rows}  # a file may have columns of something else
@@ -82,12 +82,12 @@ def asked_ends(symbols: Symbols, conditions: Mapping[str, Range]) -> dict[str, t
     }
 
 
-def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> Row:
+def _formula(function: Function, first: float, last: float, parameters: dict[str, float]) -> GuessRow:
     """The row of an expression of t and static parameters."""
     s = np.linspace(0.0, 1.0, POINTS)
     with np.errstate(all="ignore"):
         values = function({"t": first + s * (last - first), **parameters}, np)
-    return Row(s, np.array(np.broadcast_to(values, s.shape), float))
+    return GuessRow(s, np.array(np.broadcast_to(values, s.shape), float))
 
 
 def finished(

@@ -28,7 +28,7 @@ def compared(entry: MeasuredEntry, symbols: Symbols) -> dict[str, Expression]:
     return {column: reference(column) for column in entry.data if column in known}
 
 
-def measured(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
+def measurements_of(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
     """The measurements of a phase, quantity by quantity.
 
     spec, symbols: of the phase, without mistakes.

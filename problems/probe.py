@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .expressions.expression import Together
+from .expressions.expression import Expression, Together
 from .quantities import Function
 
 if TYPE_CHECKING:  # tables import SciPy
@@ -44,6 +44,8 @@ class _Asked(dict[str, np.ndarray]):
 
 def names_asked(function: Function) -> set[str]:
     """The names of the values that a function looks up."""
+    if isinstance(function, Expression):
+        return {name for _, name in function.tape.loads}
     asked = _Asked()
     with np.errstate(all="ignore"):
         function(asked, _ANYWHERE)
@@ -55,6 +57,8 @@ def depends_on(function: Function, names: Collection[str]) -> bool:
 
     A function that has no finite value at the samples counts as one that depends on all that it asks for.
     """
+    if isinstance(function, Expression) and names_asked(function).isdisjoint(names):
+        return False
     values = _Asked()
     with np.errstate(all="ignore"):
         before = function(values, _ANYWHERE)

@@ -189,11 +189,17 @@ class Phase:
         return {"t": t, **states, **inputs, **p}
 
     def dynamics(self, t: np.ndarray, x: np.ndarray, u: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
-        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`; arguments as of `arguments`."""
+        """f(t, x, u, p), shape (n_x, ...): the rates of the states per `time_unit`.
+
+        t, x, u, p: as of `arguments`.
+        """
         values = self.arguments(t, x, u, p)
         with np.errstate(all="ignore"):
-            rates = [np.broadcast_to(rate, np.shape(t)) for rate in self.rates(values, np)]
-        return np.stack(rates) if rates else np.zeros((0, *np.shape(t)))
+            rates = self.rates(values, np)
+        f = np.empty((len(rates), *np.shape(t)), np.result_type(float, *rates))
+        for row, rate in zip(f, rates, strict=True):
+            row[...] = rate
+        return f
 
 
 @dataclass(frozen=True)

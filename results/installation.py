@@ -22,7 +22,7 @@ ENVIRONMENT = (
 """Variables that change what trajopt does."""
 
 
-class Part(NamedTuple):
+class OptionalPart(NamedTuple):
     """What trajopt can do without: what it gives, what it needs, and how to get that."""
 
     gives: str
@@ -32,11 +32,11 @@ class Part(NamedTuple):
 
 
 PARTS = {
-    "films": Part("MP4 films (GIF without)", (), ("ffmpeg",), "install the program ffmpeg"),
-    "tables": Part("Parquet tables (CSV without)", ("pandas", "pyarrow"), (), "pip install pandas pyarrow"),
-    "datasets": Part("results in xarray", ("xarray", "h5netcdf"), (), "pip install xarray h5netcdf"),
-    "fast": Part("a faster IPOPT: solver.library=casadi", ("casadi",), (), "pip install casadi==3.8.2"),
-    "cluster": Part("sweeps on a Dask cluster", ("distributed",), (), "pip install distributed"),
+    "films": OptionalPart("MP4 films (GIF without)", (), ("ffmpeg",), "install the program ffmpeg"),
+    "tables": OptionalPart("Parquet tables (CSV without)", ("pandas", "pyarrow"), (), "pip install pandas pyarrow"),
+    "datasets": OptionalPart("results in xarray", ("xarray", "h5netcdf"), (), "pip install xarray h5netcdf"),
+    "fast": OptionalPart("a faster IPOPT: solver.library=casadi", ("casadi",), (), "pip install casadi==3.8.2"),
+    "cluster": OptionalPart("sweeps on a Dask cluster", ("distributed",), (), "pip install distributed"),
 }
 
 
@@ -140,7 +140,7 @@ def _cache_of_matplotlib() -> str:
     return get_cachedir()
 
 
-def _part(part: Part) -> dict[str, Any]:
+def _part(part: OptionalPart) -> dict[str, Any]:
     missing = [name for name in part.packages if find_spec(name) is None]
     missing += [name for name in part.programs if shutil.which(name) is None]
     return {"gives": part.gives, "missing": missing, "remedy": part.remedy if missing else ""}

@@ -41,7 +41,7 @@ from ..transcription.solution.error import error_profile
 from ..transcription.solution.objective_error import NOT_UNIQUE, ObjectiveError, objective_error
 from ..transcription.solution.trajectory import Trajectory
 from .audit.check import ENGINE, Check
-from .audit.exact import discrete_optimality, static_optimality, steps, whole_program
+from .audit.exact import discrete_optimality, static_optimality, step_checks, whole_program
 from .audit.junctions import junctions, links
 from .audit.measured import jumps_of_costates
 from .audit.optimality import optimality
@@ -132,7 +132,7 @@ def _exact(result: Reloaded, number: int, claimed: float, tolerance: float) -> I
     if trajectory.phase.static:
         yield from static_optimality(result, number)
         return
-    yield from steps(trajectory, max(MISSED, ENGINE * result.records[-1].tolerance), tolerance)
+    yield from step_checks(trajectory, max(MISSED, ENGINE * result.records[-1].tolerance), tolerance)
     yield from between_points(trajectory, tolerance)
     yield from discrete_optimality(result, number, claimed, tolerance)
 

@@ -5,6 +5,7 @@ import gc
 import os
 import shutil
 import signal
+import sys
 import tempfile
 
 import pytest
@@ -15,6 +16,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # Where this is set, each process that a test starts compiles all modules anew: a fifth of the time of such tests.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False  # nor the tests themselves, which pytest rewrites
 
 # All tests keep what they compile in one cache of their own, so that most of them solve by what others have kept.
 if "TRAJOPT_CACHE" not in os.environ:

@@ -30,7 +30,7 @@ from .engines.watch import Limit
 from .settings import Settings, schedule_of, settings_of
 from .solution.solution import ContinuationStep, Solution
 from .solve import solve
-from .starts.near import Near, near
+from .starts.near import Near, what_is_left
 
 SMALLEST = 1 / 64
 """Of a step of the schedule: where it would be smaller, the way ends."""
@@ -85,7 +85,7 @@ def way_of(spec: Spec) -> dict[str, list[float]]:
 
     Raises SpecError if a path leads to no number, or the problem with a value on the way has mistakes.
     """
-    data = json.loads(spec.model_dump_json())
+    data = json.loads(spec.model_dump_json()) if spec.continuation else {}
     way, own, wrong = {}, {}, []
     for given, values in spec.continuation.items():
         path = re.sub(r"^waypoints\.(\d+)\.(?!(?:states|time|name)\b)", r"waypoints.\1.states.", given)  # long form
@@ -195,7 +195,7 @@ class _Way:
     def walked(self) -> Solution:
         """The solution of the file's problem, or that of the first step that cannot be made."""
         at, step, failed = 0.0, 1.0, False
-        solution = self._solved(0.0, None)
+        first = solution = self._solved(0.0, None)
         while solution.status.usable and at < self.last:
             target = min(at + step, floor(at) + 1.0)
             following = self._solved(target, solution)
@@ -207,7 +207,9 @@ class _Way:
             if step < SMALLEST or following.status in CUT_SHORT:
                 solution = following
         told = () if self._at_the_end else (self._ended(),)
-        return replace(solution, continuation=tuple(self.steps), notes=(*solution.notes, *told))
+        drawn = first.notes if settings_of(self.spec).starts and solution is not first else ()
+        notes = (*(f"of the first problem on the way: {note}" for note in drawn), *solution.notes, *told)
+        return replace(solution, continuation=tuple(self.steps), notes=notes)
 
     @property
     def _at_the_end(self) -> bool:
@@ -237,8 +239,9 @@ class _Way:
         else:
             spec = _at(self.spec, values)
             problems, schedule = build_all(spec)[:1], schedule_of(spec)[:1]
-            settings = replace(self._settings(), refine=None, starts=0)
-        guess, left = (before.trajectories, near(before)) if before else (None, None)
+            own = self._settings()
+            settings = replace(own, refine=None, starts=0 if before else own.starts)
+        guess, left = (before.trajectories, what_is_left(before)) if before else (None, None)
         solution = solve(problems, schedule, settings, guess=guess, near=left, progress=self.progress, stop=self.stop)
         iterations = sum(mesh.iterations for mesh in solution.meshes)
         objective = solution.objective if solution.status.usable else np.nan

@@ -15,7 +15,7 @@ from .one_mesh import Found, Origin
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
-from .starts.drawn import drawn_starts, told
+from .starts.drawn import drawn_starts, told_of_starts
 from .starts.other import without_effect
 
 SECONDS, TIMES = 5.0, 3.0
@@ -91,7 +91,7 @@ def _of_many(attempt: Attempt) -> Found:
         one, other = (found, best) if better(found[0], best[0], sense) else (best, found)
         records = (*one[0].meshes[:-1], one[0].meshes[-1].after(other[0].meshes[-1]))  # the work of all starts
         best = replace(one[0], meshes=records), one[1]
-    return replace(best[0], notes=(*best[0].notes, told(objectives, sense))), best[1]
+    return replace(best[0], notes=(*best[0].notes, told_of_starts(objectives, sense))), best[1]
 
 
 def _ran_away(failed: Solution) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import Any, NamedTuple
 
@@ -33,7 +33,7 @@ class Family:
     scheme's defects; a component that holds several rows of each segment has a tuple of them. part: of the component.
     """
 
-    component: Any  # a Constraint of Pyomo, or shooting's `Rows`
+    component: Any  # a Constraint of Pyomo, or shooting's `ConstraintRows`
     phase: str
     kind: ConstraintKind
     name: str
@@ -102,18 +102,35 @@ class Unknown(NamedTuple):
     bounds: tuple[float | None, float | None]
 
 
+class Unknowns(Sequence[Unknown]):
+    """Free variables, of which there may be a million: as arrays, (n,) each, which nobody changes.
+
+    z: initial values. lower, upper: bounds, infinite where there is none.
+    """
+
+    def __init__(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> None:
+        self.z, self.lower, self.upper = z, lower, upper
+
+    def __len__(self) -> int:
+        return len(self.z)
+
+    def __getitem__(self, k: Any) -> Any:
+        lower, upper = (None if np.isinf(own[k]) else float(own[k]) for own in (self.lower, self.upper))
+        return Unknown(float(self.z[k]), (lower, upper))
+
+
 @short_repr
 @dataclass(frozen=True)
 class Transcription:
     """A Pyomo model (None for shooting), its free variables in the order of z, and what stands where.
 
-    variables: those of Pyomo, or `Unknown`; then the numbers in the model, if there is one, are not those of this
-    problem (see `collocation.kept`).
+    variables: those of Pyomo, `Unknown`, or `Unknowns`; then the numbers in the model, if there is one, are not those
+    of this problem (see `collocation.kept`).
     """
 
     problem: Problem
     model: Any
-    variables: tuple
+    variables: Sequence[Any]
     phases: tuple[Layout, ...]
     parameters: np.ndarray
     families: tuple[Family, ...]
@@ -121,6 +138,8 @@ class Transcription:
 
 def bounded_start(transcription: Transcription) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The initial values of the unknowns and their bounds, each shape (n,); infinite where there is no bound."""
+    if isinstance(own := transcription.variables, Unknowns):
+        return own.z.copy(), own.lower.copy(), own.upper.copy()
     table = [(v.value, *v.bounds) for v in transcription.variables]
     z, lower, upper = (np.array(column, float) for column in zip(*table, strict=True))
     return z, np.where(np.isnan(lower), -np.inf, lower), np.where(np.isnan(upper), np.inf, upper)

@@ -22,7 +22,7 @@ TIMES = ("t[initial]", "t[final]")
 """Names of the times of a phase, where they are given."""
 
 
-class Number(NamedTuple):
+class DataNumber(NamedTuple):
     """A number that a program reads beside its unknowns.
 
     value: as the problem has it.
@@ -33,7 +33,7 @@ class Number(NamedTuple):
     replaced: Callable[[float], NonlinearProgram]
 
 
-Numbers = Mapping[tuple[str, str], Number]
+Numbers = Mapping[tuple[str, str], DataNumber]
 """(phase, or BETWEEN; name of a parameter of the file that is data, or one of TIMES) -> number."""
 
 

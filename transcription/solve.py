@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.conserved.invariant import kept
+from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
-from .again.next_mesh import accuracy, allowed_gap, asked_of_engine, next_solve
+from .again.kept import Candidates, Kept
+from .again.next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, meets_first, next_solve
 from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, with_short_turns
 from .again.tightened import tightened
 from .engines.outcome import Status
@@ -18,12 +19,12 @@ from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
-from .refinement.basin import left_basin, out_of_reach, stalled, unmeasurable
+from .refinement.basin import in_vain, left_basin, unmeasurable
 from .refinement.chatter import Damping, chatter
 from .refinement.goal import Goal
 from .refinement.refine import MERGING_MESHES
 from .settings import DEFAULT, Refine, Settings
-from .solution.solution import MeshRecord, Solution, with_bar
+from .solution.solution import MeshRecord, Solution, with_error_bar
 from .starts.near import Near
 from .transcribe import Planned, Schedule, planned, refused
 
@@ -67,8 +68,9 @@ def solve(
 
     A failed solve ends the schedule and is told by the status; one on a refined mesh ends refinement, and the solution
     before it is kept. So it is when a later mesh of the same problem is interrupted or runs out of time, and when the
-    last ones end at acceptable points only, unless `accept` asks for no more. The history tells of every mesh solved, a
-    coarse one before a large first one too.
+    last ones end at acceptable points only, unless `accept` asks for no more. Where the last mesh misses what is asked
+    for, and one before it is more exact (see `nearer`), that one is given back. The history tells of every mesh solved,
+    a coarse one before a large first one too.
 
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
@@ -81,10 +83,11 @@ class _Loop:
 
     steps: the solves that are known, the first `scheduled` of the schedule. history: of every mesh that was solved.
     discarded: those whose solves were not kept.
-    last: the solution to give back. optimal: the last that is optimal, its segments that miss the tolerance, and how
-    much of the history leads to it. stopped: why no mesh came after its own. unmet: its segments that miss the
-    tolerance. notes: what was done beyond what was asked. rough: controls chatter, and damping them is worse.
-    weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than those of the last.
+    last: the solution to give back. candidates: those that may stand in its place. before_goal: meshes are refined by
+    the error of their segments, before a finer goal for the objective. stopped: why no mesh came after its own. unmet:
+    its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls chatter, and
+    damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
+    those of the last.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
     stands in place of the problem's own.
     """
@@ -100,7 +103,8 @@ class _Loop:
         self.limit = Limit(settings.seconds, stop)
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
-        self.optimal: tuple[Found, tuple[str, ...], int] | None = None
+        self.candidates = Candidates(settings)
+        self.before_goal = accuracy(settings.refine) < FIRST and bool(settings.refine and settings.refine.objective)
         self.stopped = ""
         self.unmet: tuple[str, ...] = ()
         self.notes: tuple[str, ...] = ()
@@ -119,14 +123,14 @@ class _Loop:
                 self.lower = lower_hamiltonian(*self.last, 1.0)
                 break
             if self.settings.refine:
-                found = sharpened(found, self.settings, accuracy(self.settings.refine), self._watch())
+                found = self._sharpened(found, self.settings.refine)
             self._take(number, found)
             if not found[0].status.usable:
                 self.unmet = ()  # they are of the mesh before
                 break
             while other := self._lowered(number, found):
                 del self.history[-len(found[0].meshes) :]
-                found = other
+                found, self.candidates = other, Candidates(self.settings)
                 self._take(number, found)
             start = Origin(found[0].trajectories, found[1], self._damping(found))
             if self.stopped or number + 1 == len(self.steps):
@@ -135,30 +139,34 @@ class _Loop:
                 why = "interrupted" if self.limit.asked() else "the time limit came"
                 self.stopped = f"{why} before the next mesh"
                 break
-        self._back_to_optimal()
+        self._back_to_the_best()
         return self._told()
+
+    def _sharpened(self, found: Found, refine: Refine) -> Found:
+        """The solution without what the barrier leaves; of a mesh before the goal, to what comes first."""
+        if self.before_goal:
+            found = sharpened(found, self.settings, FIRST, self._watch())
+            self.before_goal = found[0].status.usable and not meets_first(found[0])
+        return found if self.before_goal else sharpened(found, self.settings, accuracy(refine), self._watch())
 
     def _take(self, number: int, found: Found) -> None:
         """Make a solution the one to give back, and see what comes after it."""
         self.last, self.lower = found, None
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
-            self._refine(number, found, self.settings.refine)
-        if found[0].status is not Status.ACCEPTABLE:
-            self.optimal = found, self.unmet, len(self.history)
+            asked = self.settings.refine
+            self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
+        self.candidates.add(Kept(found, self.unmet, len(self.history)), number + 1 >= self.scheduled)
 
-    def _back_to_optimal(self) -> None:
-        """Give back the last mesh of the same problem that ended at an optimal point, if finer ones are acceptable."""
+    def _back_to_the_best(self) -> None:
         assert self.last is not None
-        last = self.last[0]
-        if last.status is not Status.ACCEPTABLE or self.settings.accept is Status.ACCEPTABLE:
-            return
-        if not self.optimal or self.optimal[0][0].problem is not last.problem:
-            return
-        self.last, self.unmet, known = self.optimal
-        self.stopped = self.history[known].why_not_kept
-        self.discarded += tuple(self.history[known:])
-        del self.history[known:]
+        missed = bool(self.unmet or self.stopped)
+        while instead := self.candidates.instead_of(self.last, missed, self.stopped, self.history):
+            back, self.stopped = instead
+            self.last, self.unmet = back.found, back.unmet
+            self.lower = lower_hamiltonian(*self.last, NOTICED)
+            self.discarded += tuple(self.history[back.known :])
+            del self.history[back.known :]
 
     def _lowered(self, number: int, found: Found) -> Found | None:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
@@ -256,7 +264,7 @@ class _Loop:
         if goal and not self.unmet and not more:
             self.stopped = goal.unreachable
         barrier = goal.beyond_engine if goal else ""
-        if more and (why := barrier or self._in_vain(refine)):
+        if more and (why := barrier or in_vain(self.history[self.scheduled - 1 :], refine.tolerance, refine.objective)):
             self.stopped = why
             return
         if too_large := [mistake for step in more for mistake in refused(*step[:2])]:
@@ -264,20 +272,12 @@ class _Loop:
             return
         self.steps += more
 
-    def _in_vain(self, refine: Refine) -> str:
-        """Why no finer mesh would help, or ""."""
-        meshes = self.history[self.scheduled - 1 :]
-        asked, errors = refine.tolerance, [mesh.relative_error for mesh in meshes]
-        if refine.objective:
-            asked, errors = refine.objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
-        return stalled(meshes, refine.tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
-
     def _told(self) -> Solution:
         assert self.last is not None
         gap = allowed_gap(self.settings.refine, self.last[0].objective)
         solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *kept(solution.problem))
+        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
             completed(solution, solved),
             meshes=(*self.history[:-1], solution.meshes[-1]),
@@ -294,7 +294,7 @@ class _Loop:
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""
-        wider = with_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
+        wider = with_error_bar(solution, solution.objective_error.bar + OF_GAIN * gain)
         asked = self.settings.refine and self.settings.refine.objective
         missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
         return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider

@@ -17,7 +17,6 @@ import numpy as np
 from ..problems.errors import Mistake, SpecError
 from ..problems.problem import Curves, Phase, Problem
 from .collocation import kept
-from .collocation.numbers import numbers
 from .collocation.refused import refused_by_collocation, refused_by_differences
 from .dual.end_masses import without_end_masses
 from .engines.outcome import Outcome
@@ -73,9 +72,9 @@ def _nothing_refused(problem: Problem, phase: Phase, mesh: Mesh) -> Iterable[Mis
 
 METHOD_KINDS: dict[KindOfMethod, Callable[[], MethodKind]] = {
     "collocation": lambda: MethodKind(
-        refused_by_collocation, _by_model, _compiled_model, costates, numbers, kept.program
+        refused_by_collocation, _by_model, _compiled_model, costates, kept.numbers, kept.kept_program
     ),
-    "differences": lambda: MethodKind(refused_by_differences, _by_model, _compiled_model, costates, numbers),
+    "differences": lambda: MethodKind(refused_by_differences, _by_model, _compiled_model, costates, kept.numbers),
     "shooting": _shooting,
 }
 

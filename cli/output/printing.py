@@ -52,9 +52,9 @@ def cell(value: float | None, form: str) -> str:
 
 def print_json(row: Mapping) -> None:
     """One object on one line, null for a number that is not finite."""
-    from ...results.file.summary import plain
+    from ...results.file.json_values import for_json
 
-    print(json.dumps(plain(row), allow_nan=False), flush=True)
+    print(json.dumps(for_json(row), allow_nan=False), flush=True)
 
 
 def print_title(text: str, passed: bool) -> None:

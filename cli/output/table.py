@@ -27,11 +27,11 @@ def print_summary(summary: dict[str, Any]) -> None:
     solved = summary["solved"]
     verdict = "NOT SOLVED" if not solved else "solved, tolerance missed" if summary["inaccurate"] else "solved"
     print_title(f"{summary['problem']}: {verdict}", verdict == "solved")
-    for name, text in rows_of(summary):
+    for name, text in table_rows(summary):
         print_field(name, text)
 
 
-def rows_of(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def table_rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """What is told of a result, a row of the table each: what it is, and the text."""
     summary = _rounded(summary)
     if not summary["solved"]:

@@ -48,7 +48,7 @@ def animate(
     from ...results.pictures.animate import animate as film
     from ...results.pictures.animate import stop_action_figure
     from ...results.pictures.film import check_film
-    from ...results.pictures.style import check_picture, save
+    from ...results.pictures.style import check_picture, save_figure
 
     for path in targets:
         check_picture(path, (*FILMS, *PICTURES), force)
@@ -57,7 +57,7 @@ def animate(
         if path.suffix.lower() in FILMS:
             film(result, path, frames or _real_time(result, fps), fps)
         else:
-            save([stop_action_figure(result, frames or POSES)], path, result.problem)
+            save_figure([stop_action_figure(result, frames or POSES)], path, result.problem)
         print(path)
 
 

@@ -61,7 +61,7 @@ def plot(
     targets = targets_of(results, output, [_ending(kind) for kind in kinds])
 
     from ...results.file.read import read
-    from ...results.pictures.style import check_picture, save
+    from ...results.pictures.style import check_picture, save_figure
 
     for path in (path for paths in targets for path in paths):
         check_picture(path, PICTURES, force)
@@ -72,7 +72,7 @@ def plot(
         figures = [_figure(kind, result, names, no_bounds) for kind in kinds]
         groups = [figures] if len(paths) == 1 else [[figure] for figure in figures]
         for path, group in zip(paths, groups, strict=True):
-            save(group, path, result.problem)
+            save_figure(group, path, result.problem)
             print(path)
 
 
@@ -102,28 +102,28 @@ def _draw_together(
     path = folder / default if folder is not None else Path(str(output))
 
     from ...results.file.read import read
-    from ...results.pictures.overlay import overlay_figure, plane_figure
-    from ...results.pictures.style import check_picture, save
+    from ...results.pictures.overlay import overlay_figure, path_in_plane
+    from ...results.pictures.style import check_picture, save_figure
 
     check_picture(path, PICTURES, force)
     found = list(map(read, results))
     if xy:
-        figure = plane_figure(found, *pair)
+        figure = path_in_plane(found, *pair)
     else:
         bounds = [] if no_bounds else list(map(_bounds, found))
         figure = overlay_figure(found, bounds, _split(only), list(map(_broken, found, bounds)))
-    save([figure], path, found[0].problem)
+    save_figure([figure], path, found[0].problem)
     print(path)
 
 
 def draw_trajectory(path: Path, force: bool) -> Path:
     """The picture of one result in the current folder, for `solve --plot`."""
     from ...results.file.read import read
-    from ...results.pictures.style import check_picture, save
+    from ...results.pictures.style import check_picture, save_figure
 
     target, result = Path(f"{path.stem}.png"), read(path)
     check_picture(target, PICTURES, force)
-    save([_figure("trajectory", result, (), False)], target, result.problem)
+    save_figure([_figure("trajectory", result, (), False)], target, result.problem)
     return target
 
 

@@ -64,9 +64,9 @@ def _result(path: Path, verified: bool) -> str:
     """The page of a result file."""
     from ...results.file.summary import summarize
     from ...results.report.result import result_page
-    from ..output.table import rows_of
+    from ..output.table import table_rows
 
-    facts = list(rows_of(summarize(path)))
+    facts = list(table_rows(summarize(path)))
     if not verified:
         return result_page(path, facts, None)
     from ...results.verify import verify

@@ -47,8 +47,8 @@ def table(
     and ends at the final one; it takes the values of the method's own interpolants. Several results are stacked, and
     the first column tells the file. Parquet needs pandas and pyarrow.
     """
-    from ...results.tabular.columns import DENSE, POINTS, table_of
-    from ...results.tabular.save import check_format, csv_text, save
+    from ...results.tabular.columns import DENSE, POINTS, stacked_table
+    from ...results.tabular.save import check_table_format, csv_text, save_table
 
     if every is not None and not 0 < every < inf:
         remedy = "write one in the unit of time, such as 0.01"
@@ -57,7 +57,7 @@ def table(
         raise SpecError(Mistake("--dense", "with --every the times are even", "leave out one of the two options"))
     times = every if every is not None else DENSE if dense else POINTS
     if output == "-":
-        print(csv_text(table_of(results, times), units), end="")
+        print(csv_text(stacked_table(results, times), units), end="")
         return
     if output is None and len(results) > 1:
         what = f"there are {len(results)} results for one table"
@@ -67,10 +67,10 @@ def table(
         make_folder(path)
     if path.is_dir():
         path /= f"{results[0].stem}.csv"
-    check_format(path)
+    check_table_format(path)
     check_writable(path, force)
-    found = table_of(results, times)
-    save(found, path, units)
+    found = stacked_table(results, times)
+    save_table(found, path, units)
     rows = len(found["time"].values)
     print(one_line(f"{path}: {rows} rows, {len(found)} columns"), file=sys.stderr)
     print(path)

@@ -30,7 +30,7 @@ class Asked:
     chain: bool | None
 
 
-def planned(asked: Asked, spec: Spec, given: Sequence[str]) -> tuple[Plan, bool]:
+def planned_cases(asked: Asked, spec: Spec, given: Sequence[str]) -> tuple[Plan, bool]:
     """The cases, and whether each starts from the one before it.
 
     asked: on the command line; --over or --list takes the place of the whole section of the file.
@@ -46,14 +46,14 @@ def planned(asked: Asked, spec: Spec, given: Sequence[str]) -> tuple[Plan, bool]
     chain = asked.chain if asked.chain is not None else bool(section and section.chain)
     sample = section.sample if section and not asked.sample else None
     if asked.sample:
-        sample = whole("--sample", asked.sample, 1, MAX_CASES)
+        sample = whole_option("--sample", asked.sample, 1, MAX_CASES)
     _refuse(asked, sample is not None, bool(section and section.zip))
     if asked.list:
-        plan = plans.listed(asked.list)
+        plan = plans.listed_in_file(asked.list)
     else:
         axes = _axes(asked, spec, sample is not None)
         if sample is not None:
-            seed = whole("--seed", asked.seed, 0, MAX_SEED) if asked.seed else section.seed if section else 0
+            seed = whole_option("--seed", asked.seed, 0, MAX_SEED) if asked.seed else section.seed if section else 0
             plan = plans.sampled(axes, sample, seed)
         elif asked.zip or (section and section.zip):
             plan = plans.zipped(axes)
@@ -84,7 +84,7 @@ def shard(text: str | None, chain: bool, force: bool) -> tuple[int, int] | None:
     return int(part), int(parts)
 
 
-def whole(option: str, text: str, smallest: int, largest: int) -> int:
+def whole_option(option: str, text: str, smallest: int, largest: int) -> int:
     """A whole number of the command line. Raises SpecError."""
     if not text.isdecimal() or not smallest <= int(text) <= largest:
         what = f'"{brief(text)}" is no number for it'
@@ -96,7 +96,7 @@ def processes_of(jobs: str | None) -> int:
     """The number of processes that --jobs asks for, one for each CPU without it. Raises SpecError."""
     from ...results.installation import processors
 
-    return whole("--jobs", jobs, 1, MOST_JOBS) if jobs else processors()
+    return whole_option("--jobs", jobs, 1, MOST_JOBS) if jobs else processors()
 
 
 def _refuse(asked: Asked, sample: bool, zipped: bool) -> None:
@@ -111,7 +111,7 @@ def _refuse(asked: Asked, sample: bool, zipped: bool) -> None:
 
 def _axes(asked: Asked, spec: Spec, sampled: bool) -> list[Axis]:
     """Raises SpecError with the mistakes of all axes."""
-    from ...results.sweep.axes import axis_of, parse
+    from ...results.sweep.axes import axis_of, parse_axis
 
     if not asked.over and spec.sweep is None:
         remedy = "add --over PATH=START:STOP:COUNT, --list CSV, or a section sweep: to the file"
@@ -122,7 +122,7 @@ def _axes(asked: Asked, spec: Spec, sampled: bool) -> list[Axis]:
     for path, values in items:
         try:
             where = f"{spec.file}: sweep.over.{brief(path)}"
-            axes.append(parse(path, sampled) if values is None else axis_of(path, values, where, sampled))
+            axes.append(parse_axis(path, sampled) if values is None else axis_of(path, values, where, sampled))
         except SpecError as error:
             mistakes += error.mistakes
     if mistakes:

@@ -16,7 +16,7 @@ from ..output.printing import plural, print_json, print_table, print_title
 from ..output.progress import live_text
 from ..streams import native_output
 from .cases import processes_of
-from .workers import prepare as prepare_worker
+from .workers import prepare_workers as prepare_worker
 
 if TYPE_CHECKING:
     from ...results.library.rows import Row
@@ -48,19 +48,19 @@ def reproduce_library(
     if others:
         raise SpecError(Mistake(" ".join(others), "library stands alone", "reproduce the examples in another command"))
     from ...results.library.baseline import baseline, regressions
-    from ...results.library.report import prepare, report
+    from ...results.library.report import prepare_page, report_library
     from ...results.library.solve import problems, solve_library
 
     names = problems(only, fast)
     processes = processes_of(jobs)
-    results = prepare(folder)
+    results = prepare_page(folder)
     with native_output(2), live_text("solving", not quiet) as show:
         rows = solve_library(
             names, results, processes=processes, prepare=prepare_worker,
             command=shlex.join(["trajopt", *sys.argv[1:]]), progress=show,
         )  # fmt: skip
     worse = regressions(baseline(), rows) if check else None
-    report(folder, rows, worse)
+    report_library(folder, rows, worse)
     if json_:
         passed = all(row.passed for row in rows)
         told = [row.told for row in rows]

@@ -103,7 +103,7 @@ def reproduce(
 
 
 def _print(chapters: Sequence[Chapter]) -> None:
-    from ...results.reproduction.page import shown
+    from ...results.reproduction.page import shown_number
 
     for chapter in filter(lambda chapter: chapter.table, chapters):
         head, *rows = chapter.table
@@ -115,7 +115,14 @@ def _print(chapters: Sequence[Chapter]) -> None:
         print()
     checks = [check for chapter in chapters for check in chapter.checks]
     rows = [
-        ("pass" if c.passed else "FAIL", c.example, c.value.name, c.value.expected, shown(c.number), c.value.source)
+        (
+            "pass" if c.passed else "FAIL",
+            c.example,
+            c.value.name,
+            c.value.expected,
+            shown_number(c.number),
+            c.value.source,
+        )
         for c in checks
     ]
     print_table(("", "example", "check", "expected", "got", "source"), rows, right=("got",))

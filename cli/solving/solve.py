@@ -26,7 +26,7 @@ from ..streams import native_output, piped_text, refuse_standard_output
 
 if TYPE_CHECKING:
     from ...problems.problem import Guess
-    from ...transcription.files.ready import Ready
+    from ...transcription.checked_files.ready import Ready
     from ...transcription.solution.solution import Solution
 
 Output = Annotated[
@@ -89,7 +89,7 @@ def solve(
         what = "with --guess there is one start, the result's"
         raise SpecError(Mistake("--starts" if starts else "--seed", what, "leave out one of the two options"))
     given = overrides(set_, method, segments, tol, refine, time_limit, accuracy, starts, seed)
-    from ...transcription.files.ready import ready_all  # NumPy, which `--help` needs not
+    from ...transcription.checked_files.ready import ready_all  # NumPy, which `--help` needs not
 
     problems = ready_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
@@ -180,7 +180,7 @@ def _polished(
 ) -> tuple[_Job, Solution]:
     """The solution in phases by its arcs, and the job with their file; both as they are where that is no better."""
     from ...results.polish.polish import polish
-    from ...transcription.files.ready import ready
+    from ...transcription.checked_files.ready import ready
     from ..output.progress import live_line, print_iteration
 
     own = job.ready

@@ -21,9 +21,9 @@ from ..output.printing import one_line, print_json
 from ..output.sweeping import Tally, print_sweep, watched
 from ..signals import Stop
 from ..streams import piped_text, refuse_standard_output
-from .cases import Asked, planned, processes_of
+from .cases import Asked, planned_cases, processes_of
 from .cases import shard as shard_of
-from .workers import prepare
+from .workers import prepare_workers
 
 if TYPE_CHECKING:
     from ...problems.problem import Problem
@@ -101,7 +101,7 @@ def sweep(
     refuse_standard_output(output, "a sweep is a folder", "print its table with --json")
     given = overrides(set_, method, segments)
     (spec,) = load_all([file], given, piped_text([file]))
-    plan, chained = planned(Asked(over, zip_, list_, sample, seed, chain), spec, given)
+    plan, chained = planned_cases(Asked(over, zip_, list_, sample, seed, chain), spec, given)
     part = shard_of(shard, chained, force)
     processes = processes_of(jobs)
     problem = _checked(plan, spec, given)
@@ -152,7 +152,9 @@ class _Run:
     def _engine(self, scheduler: str | None, processes: int) -> Engine:
         from ...results.sweep.engines import ClusterEngine, LocalEngine
 
-        return ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare, self.spec.solver.library)
+        return (
+            ClusterEngine(scheduler) if scheduler else LocalEngine(processes, prepare_workers, self.spec.solver.library)
+        )
 
     def _report(self, tally: Tally, show: Callable[[], None], record: Mapping[str, Any] | None) -> None:
         if record is not None:

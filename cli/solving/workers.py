@@ -10,7 +10,7 @@ from typing import Any
 from ..streams import NAMES
 
 
-def prepare(flag: Any) -> None:
+def prepare_workers(flag: Any) -> None:
     """Called first in each worker; solves end when `flag.value` is not zero.
 
     Ctrl-C reaches all processes of a terminal, and the parent alone decides what becomes of it.

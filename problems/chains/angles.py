@@ -25,7 +25,7 @@ class Angle(NamedTuple):
 
     @property
     def text(self) -> str:
-        return summed(times(str(count), name) for name, count in self.parts.items())
+        return summed(scaled_angle(str(count), name) for name, count in self.parts.items())
 
     @property
     def cos(self) -> str:
@@ -36,7 +36,7 @@ class Angle(NamedTuple):
         return f"{_SIN[self.turns % 4]}({self.text})" if self.parts else _EXACT[(self.turns - 1) % 4]
 
 
-def times(*factors: str) -> str:
+def scaled_angle(*factors: str) -> str:
     """A product: factors of 1 left out, the sign in front; "" if a factor is zero, which "" counts as too."""
     plain = [factor.removeprefix("-") for factor in factors]
     if {"", "0"} & {*plain}:
@@ -45,7 +45,7 @@ def times(*factors: str) -> str:
     return f"-{kept}" if sum(factor.startswith("-") for factor in factors) % 2 else kept
 
 
-def negative(term: str) -> str:
+def negated(term: str) -> str:
     return term.removeprefix("-") if term.startswith("-") or not term else f"-{term}"
 
 

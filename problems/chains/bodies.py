@@ -72,13 +72,13 @@ class Body:
         return f"{self.name}_{key}"
 
 
-def name_of(link: ChainLink, number: int) -> str:
+def name_of_body(link: ChainLink, number: int) -> str:
     return link.name or f"link{number + 1}"
 
 
-def names_of(links: Sequence[ChainLink]) -> list[str]:
+def names_of_bodies(links: Sequence[ChainLink]) -> list[str]:
     """The name of each link."""
-    return [name_of(link, number) for number, link in enumerate(links)]
+    return [name_of_body(link, number) for number, link in enumerate(links)]
 
 
 def coordinate_names(links: Sequence[ChainLink]) -> Iterator[str]:
@@ -96,7 +96,7 @@ def control_of(motor: bool | str | None, number: int) -> str:
 
 def bodies(entry: ModelEntry) -> list[Body]:
     """The links of a chain without mistakes, each after the one that it hangs on."""
-    names, found = names_of(entry.links), list[Body]()
+    names, found = names_of_bodies(entry.links), list[Body]()
     for number, (link, q) in enumerate(zip(entry.links, coordinate_names(entry.links), strict=True)):
         on = link.parent or (names[number - 1] if number else BASE)
         before = None if on == BASE else names.index(on)

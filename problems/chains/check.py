@@ -24,7 +24,7 @@ from ..schema.spec import Spec
 from ..text import brief, did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .bodies import coordinate_names, names_of
+from .bodies import coordinate_names, names_of_bodies
 from .closed import AXES
 from .motion import CART_NAME, GRAVITY, TOTAL, Chain
 from .sliding import mass
@@ -51,13 +51,13 @@ _OF_JOINTS = {
 """Key of a link -> the joints that have it."""
 
 
-def mistakes(entry: ModelEntry, data: Mapping[str, Any]) -> list[Finding]:
+def chain_mistakes(entry: ModelEntry, data: Mapping[str, Any]) -> list[Finding]:
     """Every mistake of a chain that the schema has passed.
 
     entry: the section `model:` of the file.
     data: of the file.
     """
-    names = names_of(entry.links)
+    names = names_of_bodies(entry.links)
     found = [*_base(entry), *_names(entry, names), *_angles(entry, data)]
     for number, link in enumerate(entry.links):
         path: Path = ("model", "links", number)

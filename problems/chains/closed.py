@@ -15,7 +15,7 @@ from __future__ import annotations
 from ..expressions.expression import parse
 from ..lean.records import dataclass
 from ..schema.model import BASE, ForceEntry, LoopEntry, ModelEntry
-from .angles import negative, summed
+from .angles import negated, summed
 from .bodies import Reach
 from .motion import ACROSS, UP, Chain
 
@@ -45,7 +45,7 @@ class Closed:
 
     def constant(self, key: str) -> str:
         """The name of one of its numbers: "loop1_at"."""
-        return f"{name_of(self.number)}_{key}"
+        return f"{name_of_loop(self.number)}_{key}"
 
     def force(self, axis: str) -> str:
         """The name of the force on its first link."""
@@ -70,11 +70,11 @@ class Closed:
     @staticmethod
     def _difference(ends: list[str], of_base: str = "") -> str:
         """The first minus the second, or minus what is of the base."""
-        second = f"-({ends[1]})" if len(ends) > 1 else negative(of_base)
+        second = f"-({ends[1]})" if len(ends) > 1 else negated(of_base)
         return summed([ends[0], second])
 
 
-def name_of(number: int) -> str:
+def name_of_loop(number: int) -> str:
     return f"loop{number}"
 
 
@@ -84,7 +84,7 @@ def forces_of(entry: LoopEntry, number: int = 1) -> list[ForceEntry]:
     entry: of the file.
     number: of the loop, from 1.
     """
-    across, up = (f"{name_of(number)}_f{axis}" for axis in AXES)
+    across, up = (f"{name_of_loop(number)}_f{axis}" for axis in AXES)
     first = ForceEntry(link=entry.link, at=entry.at, x=parse(across), y=parse(up))
     if entry.to == BASE:
         return [first]

@@ -39,7 +39,7 @@ from functools import cached_property
 
 from ..lean.records import dataclass
 from ..schema.model import CART, FIXED, FLOATING, ForceEntry, ModelEntry
-from .angles import Angle, grouped, negative, summed, times
+from .angles import Angle, grouped, negated, scaled_angle, summed
 from .bodies import Body, Reach, bodies, control_of
 from .sliding import Sliding, first_moment, mass, slid
 
@@ -86,13 +86,15 @@ class Chain:
         for a in self.bodies:
             for b in self.bodies[a.number :]:
                 shared = [
-                    times(k.constant("mass"), c, k.centre[b.number]) for k, c in self.reach(a) if b.number in k.centre
+                    scaled_angle(k.constant("mass"), c, k.centre[b.number])
+                    for k, c in self.reach(a)
+                    if b.number in k.centre
                 ]
                 if a is b:
                     shared.append(a.constant("inertia"))
                 if shared:
                     found[self.mass(a, b)] = summed(shared)
-            found[first_moment(a, a)] = summed(times(k.constant("mass"), c) for k, c in self.reach(a))
+            found[first_moment(a, a)] = summed(scaled_angle(k.constant("mass"), c) for k, c in self.reach(a))
         cart = [f"{CART_NAME}_mass"] if self.entry.base == CART else []
         found[TOTAL] = summed([*cart, *(body.constant("mass") for body in self.bodies)])
         return found
@@ -119,17 +121,17 @@ class Chain:
                 continue
             lag = a.phi.minus(b.phi)
             spin, turn = grouped(f"{rate}[rate]" for rate in b.rates), grouped(b.rates)
-            parts = [times(lag.cos, spin), times(lag.sin, f"{turn}**2")]
-            terms.append(times(self.mass(a, b), grouped(parts)))
+            parts = [scaled_angle(lag.cos, spin), scaled_angle(lag.sin, f"{turn}**2")]
+            terms.append(scaled_angle(self.mass(a, b), grouped(parts)))
         terms += self.sliding.moments(a)
-        return summed([*terms, *(times(first_moment(a, a), own) for own in self.held(a.phi))])
+        return summed([*terms, *(scaled_angle(first_moment(a, a), own) for own in self.held(a.phi))])
 
     def held(self, phi: Angle) -> Iterator[str]:
         """cos phi (ddy + g) - sin phi ddx, term by term."""
         up = [f"d{UP}[rate]"] if UP in self.base else []
         weight = [GRAVITY] if self.entry.gravity.text != "0" else []
-        yield times(phi.cos, grouped([*up, *weight])) if up or weight else ""
-        yield negative(times(phi.sin, f"d{ACROSS}[rate]")) if self.base else ""
+        yield scaled_angle(phi.cos, grouped([*up, *weight])) if up or weight else ""
+        yield negated(scaled_angle(phi.sin, f"d{ACROSS}[rate]")) if self.base else ""
 
     def equations(self) -> dict[str, str]:
         """Name -> residual of each coordinate, in the order of `coordinates`."""
@@ -142,12 +144,12 @@ class Chain:
         """The sum of f_a over the links that turn with an angle, minus the torque, N m."""
         turned = [body for body in self.bodies if q in body.turning]
         moments = [self.moments(a) for a in turned] if len(turned) == 1 else [moment_of(a) for a in turned]
-        return summed([*moments, *(negative(own) for own in self.torques(q))])
+        return summed([*moments, *(negated(own) for own in self.torques(q))])
 
     def along(self, s: Body) -> str:
         """The balance of a link that slides, minus the force, N."""
         held = self.held(Angle(s.phi.parts, s.phi.turns - 1))  # e is e' of a right angle less
-        return summed([*self.sliding.balance(s, list(held)), *(negative(own) for own in self.pushes(s))])
+        return summed([*self.sliding.balance(s, list(held)), *(negated(own) for own in self.pushes(s))])
 
     @property
     def named_moments(self) -> dict[str, str]:
@@ -161,13 +163,15 @@ class Chain:
             before = self.bodies[body.before].turning if body.before is not None else ()
             acting = (q in body.turning) - (q in before)
             own = [control_of(body.link.motor, number), body.constant("torque") if body.link.torque else ""]
-            yield from (times(str(acting), one) for one in own if acting and one)
+            yield from (scaled_angle(str(acting), one) for one in own if acting and one)
         for number, force in enumerate(self.entry.forces):
             for a, c in self.pushed(force, number).items():
                 body = self.bodies[a]
                 if q in body.turning:
                     across, up = force_names(force, number)
-                    yield times(c, grouped([negative(times(body.phi.sin, across)), times(body.phi.cos, up)]))
+                    yield scaled_angle(
+                        c, grouped([negated(scaled_angle(body.phi.sin, across)), scaled_angle(body.phi.cos, up)])
+                    )
 
     def pushes(self, s: Body) -> Iterator[str]:
         """What acts along a link that slides: its motor, its force, those from outside."""
@@ -176,7 +180,7 @@ class Chain:
         for number, force in enumerate(self.entry.forces):
             if s.number in self.pushed(force, number):
                 across, up = force_names(force, number)
-                yield from (times(s.phi.cos, across), times(s.phi.sin, up))
+                yield from (scaled_angle(s.phi.cos, across), scaled_angle(s.phi.sin, up))
 
     @property
     def numbers(self) -> list[int]:
@@ -196,20 +200,22 @@ class Chain:
         """m ddx + ... - F_x, or the same of y, N."""
         along = 0 if axis == ACROSS else 1
         weight = [GRAVITY] if axis == UP and self.entry.gravity.text != "0" else []
-        terms = [times(TOTAL, grouped([f"d{axis}[rate]", *weight]))]
-        terms += [times(first_moment(a, a), grouped(self.accelerated(a, axis))) for a in self.bodies if a.rates]
-        terms += [times(mass(s), grouped(slid(s, axis == ACROSS))) for s in self.sliding.links]
+        terms = [scaled_angle(TOTAL, grouped([f"d{axis}[rate]", *weight]))]
+        terms += [scaled_angle(first_moment(a, a), grouped(self.accelerated(a, axis))) for a in self.bodies if a.rates]
+        terms += [scaled_angle(mass(s), grouped(slid(s, axis == ACROSS))) for s in self.sliding.links]
         if self.entry.cart and axis == ACROSS:
             own = [control_of(self.entry.cart.motor, 0), f"{CART_NAME}_force" if self.entry.cart.force else ""]
-            terms += [negative(one) for one in own if one]
-        return summed([*terms, *(times("-1", force_names(own, n)[along]) for n, own in enumerate(self.entry.forces))])
+            terms += [negated(one) for one in own if one]
+        return summed(
+            [*terms, *(scaled_angle("-1", force_names(own, n)[along]) for n, own in enumerate(self.entry.forces))]
+        )
 
     @staticmethod
     def accelerated(a: Body, axis: str) -> list[str]:
         """A coordinate of d2 e(phi_a)/dt2, term by term."""
         spin, turn = grouped(f"{rate}[rate]" for rate in a.rates), grouped(a.rates)
-        side, back = (negative(a.phi.sin), a.phi.cos) if axis == ACROSS else (a.phi.cos, a.phi.sin)
-        return [times(side, spin), negative(times(back, f"{turn}**2"))]
+        side, back = (negated(a.phi.sin), a.phi.cos) if axis == ACROSS else (a.phi.cos, a.phi.sin)
+        return [scaled_angle(side, spin), negated(scaled_angle(back, f"{turn}**2"))]
 
     # -- points ---
 
@@ -217,29 +223,37 @@ class Chain:
         """A coordinate of a point, m."""
         directions = {a: self.bodies[a].phi for a in point}
         own = [
-            times(c, phi.cos if axis == ACROSS else phi.sin)
+            scaled_angle(c, phi.cos if axis == ACROSS else phi.sin)
             for (a, c), phi in zip(point.items(), directions.values(), strict=True)
         ]
         return summed([*([axis] if axis in self.base else []), *own])
 
     def velocity(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
-        """A coordinate of its velocity, m/s; share: number of a link that slides -> what of the point it carries."""
+        """A coordinate of the velocity of a point, m/s, as a text.
+
+        point: number of each link -> how far along it the point is reached, m.
+        axis: ACROSS or UP.
+        share: number of a link that slides -> what of the point it carries.
+        """
         terms = [f"d{axis}"] if axis in self.base else []
         for a, c in point.items():
             body = self.bodies[a]
             across, up = body.phi.cos, body.phi.sin
-            along, side = (across, negative(up)) if axis == ACROSS else (up, across)
-            terms.append(times(c, side, grouped(body.rates)))
-            terms.append(times(share.get(a, "1"), along, f"d{body.q}") if body.slides else "")
+            along, side = (across, negated(up)) if axis == ACROSS else (up, across)
+            terms.append(scaled_angle(c, side, grouped(body.rates)))
+            terms.append(scaled_angle(share.get(a, "1"), along, f"d{body.q}") if body.slides else "")
         return summed(terms)
 
     def acceleration(self, point: Reach, axis: str, share: Mapping[int, str] = ALL) -> str:
-        """A coordinate of its acceleration, m/s^2; share: as of `velocity`."""
+        """A coordinate of the acceleration of a point, m/s^2, as a text.
+
+        point, axis, share: as of `velocity`.
+        """
         terms = [f"d{axis}[rate]"] if axis in self.base else []
         for a, c in point.items():
             body = self.bodies[a]
-            terms.append(times(c, grouped(self.accelerated(body, axis))) if body.rates else "")
-            terms.append(times(share.get(a, "1"), grouped(slid(body, axis == ACROSS))) if body.slides else "")
+            terms.append(scaled_angle(c, grouped(self.accelerated(body, axis))) if body.rates else "")
+            terms.append(scaled_angle(share.get(a, "1"), grouped(slid(body, axis == ACROSS))) if body.slides else "")
         return summed(terms)
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ..lean.records import dataclass
-from .angles import grouped, negative, summed, times
+from .angles import grouped, negated, scaled_angle, summed
 from .bodies import Body
 
 
@@ -32,7 +32,9 @@ class Sliding:
             found[mass(s)] = summed(k.constant("mass") for k in carried)
             for a in self.bodies:
                 if on_way(a, s) and a is not s:
-                    found[first_moment(a, s)] = summed(times(k.constant("mass"), k.centre[a.number]) for k in carried)
+                    found[first_moment(a, s)] = summed(
+                        scaled_angle(k.constant("mass"), k.centre[a.number]) for k in carried
+                    )
         return found
 
     def moments(self, a: Body) -> Iterator[str]:
@@ -40,22 +42,22 @@ class Sliding:
         for s in self.links:
             if on_way(a, s) or on_way(s, a):
                 lag = a.phi.minus(s.phi)
-                parts = [negative(times(lag.sin, f"d{s.q}[rate]")), times("2", lag.cos, *swept(s))]
-                yield times(first_moment(a, s), grouped(parts))
+                parts = [negated(scaled_angle(lag.sin, f"d{s.q}[rate]")), scaled_angle("2", lag.cos, *swept(s))]
+                yield scaled_angle(first_moment(a, s), grouped(parts))
 
     def balance(self, s: Body, held: Sequence[str]) -> Iterator[str]:
         """The equation of a link that slides, without the forces, N. held: sin phi_s (ddy + g) + ..., term by term."""
         for b in self.bodies:
             if b.rates and (on_way(b, s) or on_way(s, b)):
                 lag, spin, turn = s.phi.minus(b.phi), grouped(f"{rate}[rate]" for rate in b.rates), grouped(b.rates)
-                parts = [times(lag.sin, spin), negative(times(lag.cos, f"{turn}**2"))]
-                yield times(first_moment(b, s), grouped(parts))
+                parts = [scaled_angle(lag.sin, spin), negated(scaled_angle(lag.cos, f"{turn}**2"))]
+                yield scaled_angle(first_moment(b, s), grouped(parts))
         for r in self.links:
             if on_way(r, s) or on_way(s, r):
                 lag = s.phi.minus(r.phi)
-                parts = [times(lag.cos, f"d{r.q}[rate]"), times("2", lag.sin, *swept(r))]
-                yield times(mass(r if on_way(s, r) else s), grouped(parts))
-        yield from (times(mass(s), own) for own in held)
+                parts = [scaled_angle(lag.cos, f"d{r.q}[rate]"), scaled_angle("2", lag.sin, *swept(r))]
+                yield scaled_angle(mass(r if on_way(s, r) else s), grouped(parts))
+        yield from (scaled_angle(mass(s), own) for own in held)
 
 
 def on_way(a: Body, k: Body) -> bool:
@@ -80,5 +82,5 @@ def swept(s: Body) -> list[str]:
 
 def slid(s: Body, across: bool) -> list[str]:
     """A coordinate of e(phi_s) ddq_s + 2 e'(phi_s) w_s dq_s, term by term; across: that along x, else along y."""
-    along, side = (s.phi.cos, negative(s.phi.sin)) if across else (s.phi.sin, s.phi.cos)
-    return [times(along, f"d{s.q}[rate]"), times("2", side, *swept(s))]
+    along, side = (s.phi.cos, negated(s.phi.sin)) if across else (s.phi.sin, s.phi.cos)
+    return [scaled_angle(along, f"d{s.q}[rate]"), scaled_angle("2", side, *swept(s))]

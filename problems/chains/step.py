@@ -21,7 +21,7 @@ import numpy as np
 
 from ..lean.records import dataclass
 from ..schema.model import StepEntry
-from .angles import Angle, summed, times
+from .angles import Angle, scaled_angle, summed
 from .bodies import Body, Reach
 from .motion import Chain
 
@@ -61,12 +61,12 @@ class Stride:
             for b in bodies:
                 pairs = ((k, bodies[self.before[k.number]]) for k in bodies)
                 shared = [
-                    times(k.constant("mass"), k.centre[j.number], old.centre[b.number])
+                    scaled_angle(k.constant("mass"), k.centre[j.number], old.centre[b.number])
                     for k, old in pairs
                     if j.number in k.centre and b.number in old.centre
                 ]
                 if b.number == self.before[j.number]:
-                    shared.append(times("-1" if b.number in self.way else "1", j.constant("inertia")))
+                    shared.append(scaled_angle("-1" if b.number in self.way else "1", j.constant("inertia")))
                 if shared:
                     found[carried(j, b)] = summed(shared)
         return found
@@ -81,12 +81,12 @@ class Stride:
         for j in bodies:
             after, before = (at_end(angle, end) for angle, end in ((j.phi, INITIAL), (self.turned(j), FINAL)))
             terms = [
-                times(self.chain.mass(j, b), after.minus(at_end(b.phi, INITIAL)).cos, f"d{b.q}{INITIAL}")
+                scaled_angle(self.chain.mass(j, b), after.minus(at_end(b.phi, INITIAL)).cos, f"d{b.q}{INITIAL}")
                 for b in bodies
                 if self.chain.coupled(j, b)
             ]
             terms += [
-                times("-1", carried(j, b), before.minus(at_end(b.phi, FINAL)).cos, f"d{b.q}{FINAL}")
+                scaled_angle("-1", carried(j, b), before.minus(at_end(b.phi, FINAL)).cos, f"d{b.q}{FINAL}")
                 for b in bodies
                 if carried(j, b) in known
             ]

@@ -21,8 +21,8 @@ from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .bodies import control_of
-from .check import mistakes
-from .closed import AXES, Closed, forces_of, name_of, with_loops
+from .check import chain_mistakes
+from .closed import AXES, Closed, forces_of, name_of_loop, with_loops
 from .motion import ACROSS, ALL, CART_NAME, GRAVITY, UP, Chain, force_names
 from .picture import drawing
 from .robots import robot_of, write_chain
@@ -43,7 +43,7 @@ _GIVEN = {
 """Keys of a link that become named expressions -> their notes."""
 
 
-def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
+def write_out_chain(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     """Write the chain of a file out, if it has one.
 
     data: of the file, overrides applied; it is changed.
@@ -60,7 +60,7 @@ def write_out(data: dict[str, Any]) -> tuple[dict[Path, Path], list[Finding]]:
     except ValidationError:
         declare(data, model)
         return {}, []
-    if found := [*found, *mistakes(entry, data)]:
+    if found := [*found, *chain_mistakes(entry, data)]:
         declare(data, model)
         return of_robot, found
     short, found = _Writer(data, Chain(with_loops(entry))).write()
@@ -263,7 +263,7 @@ class _Writer:
             force, note = loop.force(axis), f"force on {loop.entry.link} that closes a loop"
             algebraic[force] = {"unit": "N", "note": note, **(algebraic.get(force) or {})}
             self.short.setdefault(("algebraic", force), path)
-            if (name := f"{name_of(loop.number)} {axis}") not in known:
+            if (name := f"{name_of_loop(loop.number)} {axis}") not in known:
                 self.short["residuals", len(residuals)] = path
                 residuals.append({"name": name, "expression": loop.residual(axis)})
             for gap, text in ((f"gap_{axis}", loop.gap(axis)), (f"gap_v{axis}", loop.closing(axis))):

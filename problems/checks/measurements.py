@@ -181,9 +181,10 @@ def _free_in_phase(spec: Spec, first: Path, times: tuple[Range | None, Range | N
     means = any(isinstance(entry, MeanEntry) for entry in spec.measurements.values())
     if means or not (known and all(t == known[0].lower for t in measured)):
         what = "the times of measurements are knots of the mesh, and here an end of the time is free"
-        remedy = (
-            f"let a phase end at t = {max(measured, default=0.0):g}, the last of them, and another go on from there"
-        )
+        earliest, last = min(measured, default=0.0), max(measured, default=0.0)
+        begins = f"begin the phase at t = {earliest:g}, the first of them, where one before it ends"
+        ends = f"let a phase end at t = {last:g}, the last of them, and another go on from there"
+        remedy = ", and ".join(own for own, end in zip((begins, ends), times, strict=True) if end not in known)
         yield Finding(first, what, f"{remedy}; or scale the time by a free duration T: rate: T*f, from 0 to 1")
 
 

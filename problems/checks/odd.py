@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from math import inf
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Lookup, Name, Node, Operation
+from ..expressions.tree import Lookup, Name, Node, Operation, OperatorChain
 from ..measured import compared
 from ..names.delays import parameters_of
 from ..names.occurrences import constraints
@@ -89,7 +89,7 @@ def _acts_without_bound(root: Node, name: str) -> bool:
         return root.name == name
     if isinstance(root, Operation):
         return root.symbol in ("-", "**") and _acts_without_bound(root.operands[0], name)
-    parts = [root.first, *(link.operand for link in root.links)] if isinstance(root, Chain) else []
+    parts = [root.first, *(link.operand for link in root.links)] if isinstance(root, OperatorChain) else []
     return any(_acts_without_bound(part, name) for part in parts)
 
 
@@ -120,7 +120,7 @@ def _summed(node: Node) -> Iterator[str]:
         yield node.name
     elif isinstance(node, Operation) and node.symbol == "-":
         yield from _summed(node.operands[0])
-    elif isinstance(node, Chain) and all(link.symbol in "+-" for link in node.links):
+    elif isinstance(node, OperatorChain) and all(link.symbol in "+-" for link in node.links):
         for part in (node.first, *(link.operand for link in node.links)):
             yield from _summed(part)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
-from ..expressions.tree import Operation
+from ..expressions.tree import Lookup, Operation
 from ..language.functions import called_functions
 from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
@@ -264,6 +264,7 @@ def _everywhere(spec: Spec, own: Mapping[str, Spec], warnings: list[Finding], ca
         *(v for row in spec.guess.keyframes.values() for v in row),
     ]
     used = {name.name.rpartition(".")[2] for expression in written for name in expression.leaves} | called
+    used |= {node.table for expression in written for node in expression.nodes if isinstance(node, Lookup)}
     seen: dict[Finding, int] = {}
     for warning in warnings:
         seen[warning] = seen.get(warning, 0) + 1

@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from ..names.lookups import Kept, kept
+from ..names.lookups import KeptWithin, kept_within
 from ..names.occurrences import SOLVED
 from ..names.symbols import Symbols
 from ..quantities import Range
@@ -25,7 +25,7 @@ def beyond_tables(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
     for use in symbols.uses:
         if use.context not in SOLVED or use.path[0] == "expressions":
             continue
-        for own in kept(symbols.function(use.expression)):
+        for own in kept_within(symbols.function(use.expression)):
             if spec.solver.engine == "newton":
                 what = f"the Newton engine takes no bounds, and outside: error bounds {own.argument}"
                 remedy = "write outside: extrapolate or hold, or leave out engine: newton"
@@ -43,7 +43,7 @@ def beyond_tables(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
                 yield from _over_time(own, use.path, *(symbols.range(e) for e in (spec.time.initial, spec.time.final)))
 
 
-def _apart(own: Kept, given: dict[Path, Range]) -> Iterator[Finding]:
+def _apart(own: KeptWithin, given: dict[Path, Range]) -> Iterator[Finding]:
     """What of these ranges has nothing in common with the points."""
     for path, asked in given.items():
         common = asked.intersection(own.points)
@@ -52,7 +52,7 @@ def _apart(own: Kept, given: dict[Path, Range]) -> Iterator[Finding]:
             yield Finding(path, what, _REMEDY)
 
 
-def _over_time(own: Kept, path: Path, initial: Range, final: Range) -> Iterator[Finding]:
+def _over_time(own: KeptWithin, path: Path, initial: Range, final: Range) -> Iterator[Finding]:
     """An argument that is known at every time."""
     if not (initial.fixed and final.fixed and isfinite(initial.lower) and isfinite(final.lower)):
         return

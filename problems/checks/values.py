@@ -63,7 +63,7 @@ def check_phase(spec: Spec, whole: bool = True, phase: str = ALONE) -> tuple[lis
     checker.static_guesses()
     checker.data()
     checker.errors += structure.structure_mistakes(spec, checker.symbols, checker.numbers)
-    checker.errors += timeless.mistakes(spec, checker.numbers)
+    checker.errors += timeless.timeless_mistakes(spec, checker.numbers)
     checker.errors += delay_mistakes(spec, checker.symbols)
     sound = whole and not checker.errors
     if sound or not spec.nonsmooth:

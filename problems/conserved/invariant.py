@@ -60,7 +60,7 @@ def without_invariants(phase: Phase) -> Phase:
     )
 
 
-def kept(problem: Problem) -> Iterator[str]:
+def told_as_kept(problem: Problem) -> Iterator[str]:
     """What is said of each such constraint, and of what follows from others."""
     for phase in problem.phases:
         for name in phase.kept:

@@ -15,7 +15,7 @@ import numpy as np
 from .functions import FUNCTIONS
 from .slips import MAX_EXPONENT
 from .smooth import STAND_INS
-from .tree import Chain, Lookup, Name, Node, Number, Operation
+from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -124,7 +124,7 @@ class Walk:
                 return self.apply(symbol, node, [self.visit(operand) for operand in operands])
             case Lookup(operands=operands):
                 return self.look_up(node, [self.visit(operand) for operand in operands])
-            case Chain(first=first, links=links):
+            case OperatorChain(first=first, links=links):
                 result = self.visit(first)
                 for link in links:
                     result = self.apply(link.symbol, link, [result, self.visit(link.operand)])
@@ -136,6 +136,12 @@ class Walk:
         return self.scope[key] if key in self.scope else self.values[key]
 
     def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
+        """The value of an operation.
+
+        symbol: of the operator or the name of the function.
+        node: the operation.
+        operands: their values, numbers or arrays of one shape.
+        """
         return work_of(symbol, len(operands))(self.functions, operands)
 
     def look_up(self, node: Lookup, operands: list[Any]) -> Any:
@@ -173,6 +179,12 @@ class _Audit(Walk):
         return value
 
     def apply(self, symbol: str, node: Node, operands: list[Any]) -> Any:
+        """The value of an operation.
+
+        symbol: of the operator or the name of the function.
+        node: the operation.
+        operands: their values, numbers or arrays of one shape.
+        """
         second = operands[-1]
         if second is not None and symbol == "/":
             self.refuse(node, second == 0, "divides by zero")

@@ -21,7 +21,7 @@ from ..text import shorten, tidy
 from .evaluation import Fault, Walk, first_fault
 from .tape import Tape
 from .tokens import ExpressionError
-from .tree import Chain, Link, Name, Node, nodes, parse_tree
+from .tree import Link, Name, Node, OperatorChain, nodes, parse_tree
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
@@ -72,7 +72,9 @@ class Expression:
     def less(self, name: str) -> Expression:
         """This expression minus a named value: the change in one step, of the value after it."""
         span, text = (0, len(self.text)), f"({self.text}) - {name}"
-        return replace(self, text=text, root=Chain(*span, self.root, (Link(*span, "-", Name(*span, name, None)),)))
+        return replace(
+            self, text=text, root=OperatorChain(*span, self.root, (Link(*span, "-", Name(*span, name, None)),))
+        )
 
     def fault(self, values: Mapping[str, Any]) -> Fault | None:
         """The innermost sub-expression without a finite value; None if the expression is finite everywhere.

@@ -10,7 +10,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 from .evaluation import Evaluated, Work, work_of
-from .tree import Chain, Lookup, Name, Node, Number, Operation
+from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 
 class Tape:
@@ -98,7 +98,7 @@ class _Making:
                     return table.evaluate(functions, values)
 
                 return self.work((Lookup, name), look_up, [self.place(own, end) for own in operands])
-            case Chain(first=first, links=links):
+            case OperatorChain(first=first, links=links):
                 place = self.place(first, end)
                 for link in links:
                     place = self.work(link.symbol, work_of(link.symbol, 2), [place, self.place(link.operand, end)])

@@ -70,7 +70,7 @@ class Link(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class Chain(Node):
+class OperatorChain(Node):
     """first + second - third ..., from the left: kept flat so that a sum of 1000 terms is not 1000 levels deep."""
 
     first: Node
@@ -121,7 +121,7 @@ def below(node: Node) -> tuple[Node, ...]:
     match node:
         case Operation(operands=operands) | Lookup(operands=operands):
             return operands
-        case Chain(first=first, links=links):
+        case OperatorChain(first=first, links=links):
             return (first, *(link.operand for link in links))
     return ()
 
@@ -131,7 +131,7 @@ def rebuilt(node: Node, new: Sequence[Node]) -> Node:
     match node:
         case Operation() | Lookup():
             return replace(node, operands=tuple(new))
-        case Chain(links=links):
+        case OperatorChain(links=links):
             kept = (replace(link, operand=operand) for link, operand in zip(links, new[1:], strict=True))
             return replace(node, first=new[0], links=tuple(kept))
     return node
@@ -144,7 +144,7 @@ def placed(node: Node, start: int, stop: int) -> Node:
     start, stop: the span of that place.
     """
     new = rebuilt(node, [placed(part, start, stop) for part in below(node)])
-    if isinstance(new, Chain):
+    if isinstance(new, OperatorChain):
         new = replace(new, links=tuple(replace(link, start=start, stop=stop) for link in new.links))
     return replace(new, start=start, stop=stop)
 
@@ -162,7 +162,7 @@ def skeleton(node: Node) -> Any:
             own = (value,)
         case Name(name=name, end=end):
             own = (name, end)
-        case Chain(links=links):
+        case OperatorChain(links=links):
             own = tuple(link.symbol for link in links)
         case Operation(symbol=name) | Lookup(table=name):
             own = (name,)
@@ -220,7 +220,7 @@ def _marked(name: ast.Name | ast.Attribute, mark: str, span: _Span) -> Node | No
         return Name(*span, _spelled(name), mark)
     if mark == DURATION:
         first, last = (Name(*span, _spelled(name), end) for end in ENDS)
-        return Chain(*span, last, (Link(*span, "-", first),))
+        return OperatorChain(*span, last, (Link(*span, "-", first),))
     return Name(*span, rate_of(name.id), None) if mark == RATE and isinstance(name, ast.Name) else None
 
 
@@ -270,10 +270,10 @@ def _check_arguments(name: str, given: list[ast.expr], text: str, span: _Span) -
 _WANTED = {(1, 1): "one argument", (2, 2): "two arguments"}
 
 
-def _chain(tree: ast.expr, text: str, depth: int) -> Chain:
+def _chain(tree: ast.expr, text: str, depth: int) -> OperatorChain:
     span, links = _Span.of(tree), []
     while isinstance(tree, ast.BinOp) and type(tree.op) in _SYMBOLS:
         operand = _node(tree.right, text, depth)
         links.append(Link(*_Span.of(tree), _SYMBOLS[type(tree.op)], operand))
         tree = tree.left
-    return Chain(*span, _node(tree, text, depth), tuple(reversed(links)))
+    return OperatorChain(*span, _node(tree, text, depth), tuple(reversed(links)))

@@ -16,14 +16,14 @@ APART = 1e-9
 """Of the duration: places that are closer count as one, so that slopes between them are none of rounding."""
 
 
-class Row(NamedTuple):
+class GuessRow(NamedTuple):
     """s: (K,) normalised times, increasing. values: (K,), straight lines between them, held before and after."""
 
     s: np.ndarray
     values: np.ndarray
 
 
-class Span(NamedTuple):
+class GuessSpan(NamedTuple):
     """What a guess is about: from its initial to its final time, in the unit of time; fixed: whether both are given."""
 
     initial: float
@@ -31,7 +31,9 @@ class Span(NamedTuple):
     fixed: bool
 
 
-def rows_of(guess: GuessEntry, number: Callable[[Expression | None, float], float], span: Span) -> dict[str, Row]:
+def rows_of(
+    guess: GuessEntry, number: Callable[[Expression | None, float], float], span: GuessSpan
+) -> dict[str, GuessRow]:
     """Name -> row, of keyframes and of data.
 
     The first keyframe is put at the initial and the last at the final time. Data stand at their own times where both
@@ -43,14 +45,14 @@ def rows_of(guess: GuessEntry, number: Callable[[Expression | None, float], floa
     """
     frames = {name: np.array([number(v, 0.0) for v in row]) for name, row in guess.keyframes.items()}
     times = frames.pop(TIME, None)
-    rows = {name: Row(np.linspace(0, 1, len(row)) if times is None else _from_0_to_1(times), row)
+    rows = {name: GuessRow(np.linspace(0, 1, len(row)) if times is None else _from_0_to_1(times), row)
             for name, row in frames.items()}  # fmt: skip
     columns = {name: np.array(row, float) for name, row in guess.data.items()}
     if not columns:
         return rows
     times = columns.pop(TIME)
     s = (times - span.initial) / (span.final - span.initial) if span.fixed else _from_0_to_1(times)
-    return rows | {name: Row(s, row) for name, row in columns.items()}
+    return rows | {name: GuessRow(s, row) for name, row in columns.items()}
 
 
 def _from_0_to_1(times: np.ndarray) -> np.ndarray:
@@ -58,7 +60,7 @@ def _from_0_to_1(times: np.ndarray) -> np.ndarray:
     return s
 
 
-def combined(values: Mapping[str, Row], s: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def combined(values: Mapping[str, GuessRow], s: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The places of all rows in one, (K,) from 0 to 1, and the values of each there, (K,).
 
     values: name -> row.

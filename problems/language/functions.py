@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.signature import Signature, signature
-from ..expressions.tree import Chain, Link, Lookup, Name, Node, below, leaves, nodes, placed, rebuilt
+from ..expressions.tree import Link, Lookup, Name, Node, OperatorChain, below, leaves, nodes, placed, rebuilt
 from ..lean.records import dataclass
 from ..names.circles import untangle
 from ..names.symbols import UNKNOWN
@@ -30,7 +30,7 @@ MAX_SIZE = 20_000  # nodes of one expression with its functions written out
 MAX_DEPTH = 150  # of its tree, which is walked recursively
 
 
-class Declared(NamedTuple):
+class DeclaredFunction(NamedTuple):
     """A function of the file: its key under expressions:, what that means, and the tree of its body."""
 
     key: str
@@ -38,10 +38,10 @@ class Declared(NamedTuple):
     body: Node
 
 
-def declared(spec: Spec) -> dict[str, Declared]:
+def declared(spec: Spec) -> dict[str, DeclaredFunction]:
     """Name -> function; of several with one name the last."""
     found = ((key, signature(key), entry.value.root) for key, entry in spec.expressions.items() if "(" in key)
-    return {own.name: Declared(key, own, body) for key, own, body in found if own}
+    return {own.name: DeclaredFunction(key, own, body) for key, own, body in found if own}
 
 
 def without_functions(spec: Spec) -> tuple[Spec, list[Finding]]:
@@ -64,7 +64,7 @@ class _Body:
     size, depth: of the tree. times: how often each name stands in it.
     """
 
-    declared: Declared
+    declared: DeclaredFunction
     root: Node
     size: int
     depth: int
@@ -84,7 +84,7 @@ class _Mistaken(Exception):  # noqa: N818 - it ends the writing of one expressio
 class _Writer:
     """Writes calls out; `findings` are the mistakes in them, each at the expression where it stands."""
 
-    def __init__(self, spec: Spec, own: Mapping[str, Declared]):
+    def __init__(self, spec: Spec, own: Mapping[str, DeclaredFunction]):
         self.spec, self.declared = spec, own
         self.findings: list[Finding] = []
         self.bodies: dict[str, _Body] = {}
@@ -121,7 +121,7 @@ class _Writer:
             for node in nodes(root)
         )
 
-    def _body(self, function: Declared) -> None:
+    def _body(self, function: DeclaredFunction) -> None:
         self.path, self.text = ("expressions", function.key), self.spec.expressions[function.key].value.text
         try:
             tree = self._tree(function.body, own=frozenset(function.signature.arguments))
@@ -137,7 +137,7 @@ class _Writer:
         unknown = {name: UNKNOWN.root for name in own.arguments} if own else {}
         root = _substituted(root, unknown)
         span = 0, len(expression.text)
-        return replace(expression, root=Chain(*span, root, (Link(*span, "+", UNKNOWN.root),)))
+        return replace(expression, root=OperatorChain(*span, root, (Link(*span, "+", UNKNOWN.root),)))
 
     def _tree(self, node: Node, own: frozenset[str] = frozenset()) -> _Tree:
         """A tree with its calls written out. own: the arguments of the function whose body it is."""
@@ -206,8 +206,10 @@ class _Writer:
 
 def called_functions(spec: Spec) -> set[str]:
     """The keys of the functions that expressions of a spec call, before they are written out."""
+    if not (known := declared(spec)):
+        return set()
     names = {name for _, expression in expressions_of(spec) for name in _called(expression.root)}
-    return {function.key for name, function in declared(spec).items() if name in names}
+    return {function.key for name, function in known.items() if name in names}
 
 
 def _called(root: Node) -> set[str]:

@@ -17,7 +17,7 @@ from ..expressions.slips import MAX_LENGTH
 from ..text import brief
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
-from .ranges import BRACES, MOST, NAME, Mistaken, Values, filled, pairs, whole_numbers
+from .ranges import BRACES, MOST, NAME, Mistaken, Values, braces_filled, pairs, whole_numbers
 from .templates import OfTemplates, Repeat
 
 FOR = "for"
@@ -48,7 +48,7 @@ def has_loops(node: Any) -> bool:
     return False
 
 
-def written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
+def templates_written_out(data: Mapping[str, Any], lines: Mapping[Path, int]) -> Expanded:
     """The data of a file with all templates written out.
 
     data: as the file has them, overridden parameters in them.
@@ -125,7 +125,7 @@ class _Expander:
         return items
 
     def _entry(self, entries: dict[str, Any], key: str, value: Any, place: Path, new: Path, at: Values) -> None:
-        name = self._or_told(place, key, lambda: filled(key, at, self.numbers)) if at else key
+        name = self._or_told(place, key, lambda: braces_filled(key, at, self.numbers)) if at else key
         if name in entries:
             fault = f'"{brief(name)}" is made more than once' if name != key else f'"{brief(key)}" is the same for all'
             self.findings.append(Finding(place, fault, "write the variable in braces in its key: x{i}"))
@@ -137,7 +137,7 @@ class _Expander:
     def filled(self, text: str, values: Values) -> str:
         """A text as it was made; of a mistaken one, of which is told, nothing."""
         try:
-            return filled(text, values, self.numbers)
+            return braces_filled(text, values, self.numbers)
         except Mistaken:
             return ""
 
@@ -171,17 +171,17 @@ class _Expander:
     def _text(self, text: str, values: Values) -> str:
         """A text of a template, or one with sums, whose braces may hold the variables of these."""
         if not _SUM.search(text):
-            return filled(text, values, self.numbers) if values else text
-        text = filled(text, values, self.numbers, of_all=False)
+            return braces_filled(text, values, self.numbers) if values else text
+        text = braces_filled(text, values, self.numbers, of_all=False)
         while found := _SUM.search(text):  # the outermost first: the range of an inner one may depend on its variable
             stop, comma = _closing(text, found.end())
             loop, term = text[found.start(1) : comma], text[comma + 1 : stop].strip()
-            terms = [f"({filled(term, at, self.numbers, of_all=False)})" for at in self._each(loop, [{}])]
+            terms = [f"({braces_filled(term, at, self.numbers, of_all=False)})" for at in self._each(loop, [{}])]
             text = f"{text[: found.start()]}({' + '.join(terms) or '0'}){text[stop + 1 :]}"
             if len(text) > MAX_LENGTH:
                 what = f"written out, this sum has more than {MAX_LENGTH} characters"
                 raise Mistaken(what, "name its terms under expressions:, or make the range shorter")
-        return filled(text, values, self.numbers)
+        return braces_filled(text, values, self.numbers)
 
     def _or_told(self, place: Path, default: Any, work: Any) -> Any:
         try:

@@ -71,7 +71,7 @@ def pairs(loop: Any, values: Values, numbers: Values) -> Iterator[tuple[str, int
         yield name, int(word) if word.isdigit() else word
 
 
-def filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> str:
+def braces_filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> str:
     """A text with the values in place of what stands in braces. Raises Mistaken for braces without a value.
 
     text: with {i} or {2*i + 1} in it.

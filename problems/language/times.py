@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ..expressions.expression import Expression
 from ..expressions.slips import ENDS
-from ..expressions.tree import Chain, Link, Name, Node
+from ..expressions.tree import Link, Name, Node, OperatorChain
 from ..names.variables import free_name
 from ..schema.declarations import Static
 from ..schema.spec import Spec
@@ -59,7 +59,9 @@ def beyond_parameter(parameter: str, end: str) -> Expression:
     """
     text = f"{TIME}[{end}]"
     span = 0, len(text)
-    return Expression(text, Chain(*span, Name(*span, TIME, end), (Link(*span, "-", Name(*span, parameter, None)),)))
+    return Expression(
+        text, OperatorChain(*span, Name(*span, TIME, end), (Link(*span, "-", Name(*span, parameter, None)),))
+    )
 
 
 def _stands_in(expression: Expression, end: str) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..chains.write import write_out as write_out_chain
+from ..chains.write import write_out_chain
 from ..checks.values import NO_STATES
 from ..language import loops
 from ..phases.short_forms import default_mesh, exact_mesh, is_discrete, is_static, write_out
@@ -43,7 +43,7 @@ def without_loops(
         return document, {}, overrides, loops.Expanded(document.data, document.lines)
     numbers = [text for text in overrides if text.strip().startswith("parameters.")]
     data, given = override(document, numbers)
-    expanded = loops.written_out(data, document.lines)
+    expanded = loops.templates_written_out(data, document.lines)
     rest = [text for text in overrides if text not in numbers]
     return Document(expanded.data, expanded.lines, document.blocks), given, rest, expanded
 
@@ -63,7 +63,7 @@ def without_vectors(
         return document, before, overrides, vectors.WrittenOut(document.data)
     now = [text for text in overrides if concerns(text.partition("=")[0].strip(), document.data)]
     data, given = override(document, now)
-    made = vectors.written_out(data)
+    made = vectors.vectors_written_out(data)
     rest = [text for text in overrides if text not in now]
     document = Document(made.data, document.lines, document.blocks)
     return document, before | given, rest, made

@@ -10,7 +10,7 @@ from ..expressions.delays import Delay, delay_of
 from ..expressions.expression import Expression, parse
 from ..expressions.functions import FUNCTIONS
 from ..expressions.tokens import ExpressionError
-from ..expressions.tree import Chain, Node
+from ..expressions.tree import Node, OperatorChain
 from ..text import did_you_mean
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -99,7 +99,7 @@ def _value(delay: Delay, value: Callable[[Node], float | None]) -> tuple[float, 
     """How long a delay is, or 1 and what is wrong with it."""
     lag = _lag(delay)
     wanted = "write one, as x(t - 0.5), x(t - tau) or x(t - (a + b))"
-    if lag is None or (isinstance(lag.root, Chain) and _sums(lag.root) and not delay.lag.startswith("(")):
+    if lag is None or (isinstance(lag.root, OperatorChain) and _sums(lag.root) and not delay.lag.startswith("(")):
         return 1.0, (f"{delay.name}: what is taken from t is no single number or product", wanted)
     length = value(lag.root)
     if length is None:
@@ -110,5 +110,5 @@ def _value(delay: Delay, value: Callable[[Node], float | None]) -> tuple[float, 
     return length, None
 
 
-def _sums(chain: Chain) -> bool:
+def _sums(chain: OperatorChain) -> bool:
     return any(link.symbol in "+-" for link in chain.links)

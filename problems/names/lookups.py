@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
 
 
-def fitted(spec: Spec, findings: list[Finding]) -> dict[str, Table]:
+def fitted_tables(spec: Spec, findings: list[Finding]) -> dict[str, Table]:
     """The tables by name; what is mistaken in one is added to the findings, and the table left out."""
     tables = {}
     for name, entry in spec.tables.items():
@@ -50,7 +50,7 @@ def misused(expression: Expression, tables: Mapping[str, Table]) -> list[tuple[s
     return found
 
 
-class Kept(NamedTuple):
+class KeptWithin(NamedTuple):
     """An argument of a table that has to stay within its points.
 
     name: the name that the argument is, and end: the end it is taken at; name is "" for any other expression.
@@ -66,7 +66,7 @@ class Kept(NamedTuple):
     key: Hashable
 
 
-def kept(function: Function) -> Iterator[Kept]:
+def kept_within(function: Function) -> Iterator[KeptWithin]:
     """The arguments of tables in a function of a problem, and in what it refers to, that may not leave the points."""
     if not isinstance(function, Expression):
         return  # a model's
@@ -78,7 +78,9 @@ def kept(function: Function) -> Iterator[Kept]:
                     key = skeleton(operand), end
                     plain = isinstance(operand, Name) and operand.name not in function.definitions
                     name, at = (operand.name, operand.end or end) if isinstance(operand, Name) and plain else ("", end)
-                    yield Kept(node.table, axis.name, axis.points, name, at, _taken_at(function, operand, end), key)
+                    yield KeptWithin(
+                        node.table, axis.name, axis.points, name, at, _taken_at(function, operand, end), key
+                    )
 
 
 def _taken_at(function: Expression, operand: Node, end: str | None) -> Expression:

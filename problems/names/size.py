@@ -6,7 +6,7 @@ from collections.abc import Collection, Hashable, Iterator
 from typing import NamedTuple
 
 from ..expressions.functions import FUNCTIONS
-from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation, below, skeleton
+from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain, below, skeleton
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .occurrences import CONSTANT
@@ -83,7 +83,7 @@ class _Walk:
             case Name(name=name, end=end):
                 own = frozenset() if name in self.constants else frozenset([(name, end)])
                 return self.known.get(name, _Size(own, 0))
-            case Chain():
+            case OperatorChain():
                 return self.chain(node)
             case Operation(symbol="-", operands=(operand,)):
                 return self.node(operand)
@@ -98,7 +98,7 @@ class _Walk:
         deeper = isinstance(node, Lookup) or (isinstance(node, Operation) and node.symbol in (*FUNCTIONS, "**"))
         return _Size(frozenset([skeleton(node)]), depth + deeper)
 
-    def chain(self, chain: Chain) -> _Size:
+    def chain(self, chain: OperatorChain) -> _Size:
         """A product of products, or a sum, which is one factor."""
         factors, depth = self.node(chain.first)
         for link in chain.links:

@@ -30,7 +30,7 @@ from .roles import (
     VARYING,
 )
 from .troubles import Troubles
-from .variables import Declared
+from .variables import DeclaredVariable
 
 MAX_SIZE = 100_000  # nodes of one expression with its definitions written out
 
@@ -101,7 +101,7 @@ class Symbols:
         self.static = frozenset(spec.optimize)
         self.integrals = frozenset(spec.integrals)
         self.findings: list[Finding] = []
-        self.tables = lookups.fitted(spec, self.findings)
+        self.tables = lookups.fitted_tables(spec, self.findings)
         found = "optimize" if spec.static else "controls"
         self._troubles = Troubles(self.roles, self.tables, self.integrals, found)
         self.numbers: dict[str, float] = {}
@@ -121,7 +121,7 @@ class Symbols:
         self._collect_definitions({name: named.value for name, named in spec.expressions.items()})
 
     @property
-    def variables(self) -> tuple[Declared, ...]:
+    def variables(self) -> tuple[DeclaredVariable, ...]:
         """States, controls and algebraic variables."""
         return (*self.states, *self.controls, *self.algebraic)
 
@@ -180,7 +180,11 @@ class Symbols:
         )
 
     def range(self, entry: Bounded | None, path: Path = (), unit: str = "") -> Range:
-        """The range of an entry; path, unit: as of `range_of`."""
+        """The range of an entry.
+
+        entry: with some of lower and upper, or None for no bounds.
+        path, unit: as of `range_of`.
+        """
         return Range() if entry is None else range_of(entry, self.function, path, self.origin, unit)
 
     def fault(self, expression: Expression) -> Fault | None:

@@ -40,7 +40,12 @@ class Troubles:
         self._suggested = 0
 
     def of(self, name: Name, context: str, path: Path) -> Trouble | None:
-        """What is wrong with a name in this context, and the remedy."""
+        """What is wrong with a name, and the remedy; None for nothing.
+
+        name: with the end of time that it is taken at, if any.
+        context: what the expression is for, such as CONSTANT or TRAJECTORY.
+        path: of the expression.
+        """
         role, found = self.roles.get(name.name), None
         delay = delay_of(name.name)
         if delay and (role is None or context != TRAJECTORY):

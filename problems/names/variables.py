@@ -21,7 +21,7 @@ _DECLARING = ("parameters", "expressions", "states", "controls", "algebraic", "o
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredVariable:
     """A control or an algebraic variable. path: where the file declares it. entry: its lower and upper."""
 
     name: str
@@ -31,7 +31,7 @@ class Declared:
 
 
 @dataclass(frozen=True)
-class DeclaredState(Declared):
+class DeclaredState(DeclaredVariable):
     """A state; its entry holds initial and final too.
 
     rate: an expression of the file or made here, in discrete time of the next value.
@@ -88,24 +88,24 @@ def states(spec: Spec) -> tuple[DeclaredState, ...]:
     return (*positions, *velocities)
 
 
-def controls(spec: Spec) -> tuple[Declared, ...]:
+def controls(spec: Spec) -> tuple[DeclaredVariable, ...]:
     """The controls."""
     return _inputs(("controls",), spec.controls)
 
 
-def algebraic(spec: Spec) -> tuple[Declared, ...]:
+def algebraic(spec: Spec) -> tuple[DeclaredVariable, ...]:
     """The algebraic variables, and after them the rates of the implicit states."""
     rates = (
-        Declared(rate_of(state.name), state.path, _per_time(state.unit, spec), Algebraic())
+        DeclaredVariable(rate_of(state.name), state.path, _per_time(state.unit, spec), Algebraic())
         for state in states(spec)
         if state.implicit
     )
     return (*_inputs(("algebraic",), spec.algebraic), *rates)
 
 
-def _inputs(section: Path, given: Mapping[str, Control] | Mapping[str, Algebraic]) -> tuple[Declared, ...]:
+def _inputs(section: Path, given: Mapping[str, Control] | Mapping[str, Algebraic]) -> tuple[DeclaredVariable, ...]:
     """The controls or the algebraic variables; section: the path of where they stand."""
-    return tuple(Declared(name, (*section, name), entry.unit, entry) for name, entry in given.items())
+    return tuple(DeclaredVariable(name, (*section, name), entry.unit, entry) for name, entry in given.items())
 
 
 def _per_time(unit: str, spec: Spec) -> str:

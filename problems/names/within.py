@@ -9,7 +9,7 @@ from itertools import chain, count
 from ..lean.records import dataclass
 from ..problem import Phase
 from ..quantities import Constraint, Function, Range, State
-from .lookups import Kept, kept
+from .lookups import KeptWithin, kept_within
 
 
 @dataclass
@@ -19,8 +19,8 @@ class _Bounds:
 
     variables: dict[str, Range] = field(default_factory=dict)
     ends: dict[tuple[str, str], Range] = field(default_factory=dict)
-    path: dict[Hashable, Kept] = field(default_factory=dict)
-    boundary: dict[Hashable, Kept] = field(default_factory=dict)
+    path: dict[Hashable, KeptWithin] = field(default_factory=dict)
+    boundary: dict[Hashable, KeptWithin] = field(default_factory=dict)
 
 
 def within_tables(phase: Phase) -> Phase:
@@ -49,11 +49,11 @@ def within_tables(phase: Phase) -> Phase:
     return _bounded(phase, found) if found != _Bounds() else phase
 
 
-def _all(functions: Iterable[Function]) -> Iterator[Kept]:
-    return (own for function in functions for own in kept(function))
+def _all(functions: Iterable[Function]) -> Iterator[KeptWithin]:
+    return (own for function in functions for own in kept_within(function))
 
 
-def _add(constraints: dict[Hashable, Kept], own: Kept) -> None:
+def _add(constraints: dict[Hashable, KeptWithin], own: KeptWithin) -> None:
     known = constraints.get(own.key)
     points = own.points if known is None else known.points.intersection(own.points)
     constraints[own.key] = (known or own)._replace(points=points)
@@ -88,7 +88,7 @@ def _state(state: State, found: _Bounds) -> State:
     return replace(state, bounds=bounds, initial=initial, final=final)
 
 
-def _constraints(arguments: Iterable[Kept], taken: set[str]) -> Iterator[Constraint]:
+def _constraints(arguments: Iterable[KeptWithin], taken: set[str]) -> Iterator[Constraint]:
     """A constraint for each, with a name of its own: "mach of thrust"."""
     for own in arguments:
         stem = f"{own.argument} of {own.table}"

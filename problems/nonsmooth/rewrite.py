@@ -19,7 +19,7 @@ from typing import NamedTuple
 from ..expressions.expression import Expression
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs, is_inconsistent
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Link, Name, Node, Number, Operation, below, nodes, placed, rebuilt
+from ..expressions.tree import Link, Name, Node, Number, Operation, OperatorChain, below, nodes, placed, rebuilt
 from ..language.walk import mapped
 from ..lean.records import dataclass
 from ..names.occurrences import BOUNDARY, CONSTANT, SOLVED, TRAJECTORY, Use, constraint_names
@@ -184,7 +184,7 @@ class _Slack(_Smooth):
         of_abs = wanted if row.in_abs > 0 else negative(wanted)
         for k in range(1, len(operands)):
             so_far = _extreme(node, operands[:k], sums)
-            difference = Chain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
+            difference = OperatorChain(node.start, node.stop, so_far, (Link(node.start, node.stop, "-", operands[k]),))
             sums.append(self._sum(node, difference, of_abs))
         return _extreme(node, operands, sums)
 
@@ -198,13 +198,13 @@ class _Slack(_Smooth):
         if not over_time:
             variables, relations = self.found.parameters, self.found.boundary
         variables += [Variable(name.name, "", NONNEGATIVE) for name in (plus, minus)]
-        definition = Chain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
+        definition = OperatorChain(*span, y, (Link(*span, "-", plus), Link(*span, "+", minus)))  # (8.11)
         relations.append(Relation(stem, Expression(text, definition), Range(0.0, 0.0)))
         if -1 in wanted:  # a sum larger than |y| would pay somewhere: only a constraint keeps it exact
-            both = Expression(text, Chain(*span, plus, (Link(*span, "*", minus),)))
+            both = Expression(text, OperatorChain(*span, plus, (Link(*span, "*", minus),)))
             relations.append(Relation(f"{stem}_complementary", both, Range(upper=0.0)))
             self._warn(node, stem)
-        return Chain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
+        return OperatorChain(*span, plus, (Link(*span, "+", minus),))  # (8.9)
 
     def _warn(self, node: Operation, stem: str) -> None:
         where = excerpt(self.use.expression.text, node.start, node.stop)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE, Signs
-from ..expressions.tree import Chain, Name, Node, Operation, below
+from ..expressions.tree import Name, Node, Operation, OperatorChain, below
 from ..quantities import Range
 
 
@@ -51,14 +51,14 @@ class Monotone:
                 return self._of_name(name)
             case Operation(symbol=symbol, operands=operands):
                 return self._of_operation(symbol, operands)
-            case Chain():
+            case OperatorChain():
                 return self._partial(node)[-1]
         return EITHER
 
     def slopes(self, node: Node) -> list[Signs]:
         """The signs of the slope of a node's value by each of the nodes below it."""
         match node:
-            case Chain():
+            case OperatorChain():
                 return self._slopes_of_chain(node)
             case Operation(symbol="**", operands=(base, exponent)):
                 return self._slopes_of_power(base, exponent)
@@ -87,7 +87,7 @@ class Monotone:
             return POSITIVE
         return self.signs(base)
 
-    def _partial(self, chain: Chain) -> list[Signs]:
+    def _partial(self, chain: OperatorChain) -> list[Signs]:
         """The signs of first, of first + second, and so on."""
         found = [self.signs(chain.first)]
         for link in chain.links:
@@ -98,7 +98,7 @@ class Monotone:
                 found.append(found[-1] | (operand if link.symbol == "+" else negative(operand)))
         return found
 
-    def _slopes_of_chain(self, chain: Chain) -> list[Signs]:
+    def _slopes_of_chain(self, chain: OperatorChain) -> list[Signs]:
         slopes, above = [], POSITIVE
         for link, left in zip(reversed(chain.links), reversed(self._partial(chain)[:-1]), strict=True):
             operand = self.signs(link.operand)

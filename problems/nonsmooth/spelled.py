@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..expressions.functions import FUNCTIONS
 from ..expressions.smooth import SLACK, stand_in
-from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation
+from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 _SLACK_OF = {stand_in(row.name, SLACK): row for row in FUNCTIONS.values() if row.in_abs}
 
@@ -23,7 +23,7 @@ def spelled(node: Node) -> str:
             return f"{value:.0f}" if value.is_integer() and abs(value) < 1e15 else repr(value)
         case Name(name=name, end=end):
             return f"{name}[{end}]" if end else name
-        case Chain(first=first, links=links):
+        case OperatorChain(first=first, links=links):
             return _inside(first) + "".join(f" {link.symbol} {_inside(link.operand)}" for link in links)
         case Lookup(table=name, operands=operands):
             return _called(name, operands)

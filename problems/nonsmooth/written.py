@@ -16,7 +16,7 @@ from ..expressions.tree import skeleton
 from ..names.symbols import Symbols
 from ..phases.merge import phase_specs
 from ..phases.order import ALONE
-from ..phases.split import plain
+from ..phases.split import plain_file
 from ..schema.spec import Spec
 from ..yaml.document import Path
 from .rewrite import Relation, consistent
@@ -30,7 +30,7 @@ def with_slack(spec: Spec) -> str:
     """
     own = phase_specs(spec)[ALONE]
     symbols = Symbols(own)
-    found, data = consistent(own, symbols), plain(own)
+    found, data = consistent(own, symbols), plain_file(own)
     data.pop("nonsmooth")
     given = {use.path: use.expression for use in symbols.uses}
     named: dict[Path, Expression] = {

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Link, Name, Node
+from ..expressions.tree import Link, Name, Node, OperatorChain
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
@@ -50,6 +50,7 @@ class Between:
         """Every mistake in the names of an expression.
 
         path: where it stands.
+        expression: of values at the ends of phases.
         constant: whether it must be known before the solution is, as a bound.
         """
         troubles = {}
@@ -119,7 +120,7 @@ class Between:
         plain, span = name.name.removeprefix(INTEGRAL), (name.start, name.stop)
         owners = [phase for phase, symbols in self.phases.items() if plain in symbols.integrals]
         first, *others = (Name(*span, f"{phase}.{plain}", "final") for phase in owners)
-        return Chain(*span, first, tuple(Link(*span, "+", other) for other in others)) if others else first
+        return OperatorChain(*span, first, tuple(Link(*span, "+", other) for other in others)) if others else first
 
     def _resolved(self, name: Name) -> Name:
         """A name with its phase."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..guess import asked_ends, middle
 from ..guesses.conditions import conditioned
-from ..guesses.rows import Row, Span, combined, rows_of
+from ..guesses.rows import GuessRow, GuessSpan, combined, rows_of
 from ..names.symbols import Symbols
 from ..problem import Phase
 from ..quantities import Constraint, Range
@@ -61,7 +61,7 @@ def through_phases(
                         by_name[name] = _with_line(by_name[name], state.name, ends)
     first, last = phases[0], phases[-1]
     fixed = first.initial_time.fixed and last.final_time.fixed
-    whole = Span(first.guess.initial_time, last.guess.final_time, fixed)
+    whole = GuessSpan(first.guess.initial_time, last.guess.final_time, fixed)
     rows = rows_of(spec.guess, next(iter(symbols.values())).number, whole)
     return [_with_part(phase, rows, whole, guessed[phase.name]) for phase in by_name.values()]
 
@@ -135,16 +135,16 @@ def _with_line(phase: Phase, name: str, ends: tuple[float, float]) -> Phase:
     return replace(phase, guess=replace(phase.guess, values={**phase.guess.values, name: line}))
 
 
-def _with_part(phase: Phase, rows: Mapping[str, Row], whole: Span, guessed: Container[str]) -> Phase:
+def _with_part(phase: Phase, rows: Mapping[str, GuessRow], whole: GuessSpan, guessed: Container[str]) -> Phase:
     """The phase with its part of the rows of the whole trajectory."""
     guess = phase.guess
     own = [variable.name for variable in (*phase.states, *phase.inputs) if variable.name not in guessed]
     duration = guess.final_time - guess.initial_time
     if duration <= 0:
         return phase
-    known = {name: Row(guess.s, values) for name, values in guess.values.items()}
+    known = {name: GuessRow(guess.s, values) for name, values in guess.values.items()}
     for name in set(own) & rows.keys():
         times = whole.initial + rows[name].s * (whole.final - whole.initial)
-        known[name] = Row((times - guess.initial_time) / duration, rows[name].values)
+        known[name] = GuessRow((times - guess.initial_time) / duration, rows[name].values)
     s, values = combined(known, guess.s)
     return replace(phase, guess=replace(guess, s=s, values=values))

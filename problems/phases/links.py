@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..expressions.expression import Expression
-from ..expressions.tree import Chain, Link, Name
+from ..expressions.tree import Link, Name, OperatorChain
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
 from ..problem import Phase
@@ -43,13 +43,13 @@ def links_of(
     return tuple(links), None if terminal is None else between.function(terminal)
 
 
-def in_order(phase: Phase) -> Phase:
+def with_times_in_order(phase: Phase) -> Phase:
     """The phase, which does not end before it begins where its times leave that open."""
     if phase.final_time.lower >= phase.initial_time.upper:
         return phase
     text = "t[final] - t[initial]"
     last, first = Name(0, 0, TIME, "final"), Name(0, 0, TIME, "initial")
-    duration = Expression(text, Chain(0, len(text), last, (Link(0, len(text), "-", first),)))
+    duration = Expression(text, OperatorChain(0, len(text), last, (Link(0, len(text), "-", first),)))
     return replace(phase, boundary=(*phase.boundary, Constraint(DURATION, duration, Range(lower=0.0))))
 
 
@@ -78,5 +78,5 @@ def continuity(name: str, source: str, target: str) -> Continuity:
     """
     end, start = Name(0, 0, f"{source}.{name}", "final"), Name(0, 0, f"{target}.{name}", "initial")
     text = f"{target}.{name}[initial] - {source}.{name}[final]"
-    difference = Expression(text, Chain(0, len(text), start, (Link(0, len(text), "-", end),)))
+    difference = Expression(text, OperatorChain(0, len(text), start, (Link(0, len(text), "-", end),)))
     return Continuity(f"{name} from {source} to {target}", difference, ZERO)

@@ -14,7 +14,7 @@ from weakref import ref
 
 from ..expressions.expression import Expression
 from ..expressions.signature import signature
-from ..expressions.tree import Chain, Link, Number
+from ..expressions.tree import Link, Number, OperatorChain
 from ..language.integrals import where_written
 from ..language.means import place_of_mean
 from ..language.plain import in_plain
@@ -287,8 +287,8 @@ def _between(a: Expression, b: Expression, share: float) -> Expression:
         return a
     text = f"({a.text}) + (({b.text}) - ({a.text}))*{share!r}"
     span = 0, len(text)
-    width = Chain(*span, b.root, (Link(*span, "-", a.root), Link(*span, "*", Number(*span, share))))
-    return Expression(text, Chain(*span, a.root, (Link(*span, "+", width),)))
+    width = OperatorChain(*span, b.root, (Link(*span, "-", a.root), Link(*span, "*", Number(*span, share))))
+    return Expression(text, OperatorChain(*span, a.root, (Link(*span, "+", width),)))
 
 
 def _padded(mesh: list[MeshEntry], length: int) -> list[MeshEntry]:

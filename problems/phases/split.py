@@ -28,7 +28,7 @@ OF_TIMES = re.compile(r"\bt\[(initial|final|duration)\]")
 
 
 @dataclass(frozen=True)
-class Part:
+class PhasePart:
     """One arc: when it ends, in the unit of time, and what is on which bound, "lower" or "upper", in all of it.
 
     fixed: controls. held: states, and path constraints by name, that hold with equality. freed: states that are on a
@@ -74,13 +74,13 @@ def _why_not(spec: Spec) -> str:
     return next((why for why, so in reasons.items() if so), "")
 
 
-def split_alone(spec: Spec, parts: Sequence[Part]) -> dict[str, Any]:
+def split_alone(spec: Spec, parts: Sequence[PhasePart]) -> dict[str, Any]:
     """A problem file in which every part is a phase, as data without a mesh.
 
     spec: of one phase, see `why_not`.
     parts: in order, two or more.
     """
-    data = plain(spec)
+    data = plain_file(spec)
     for state, (rate, bounds) in integral_states(spec).items():
         data["states"][state] = {"rate": rate, "initial": 0, "final": bounds}
     for kind in ("integral", "path"):
@@ -107,7 +107,7 @@ def bounds_of_time(spec: Spec) -> dict[str, str]:
     return {key: value for key, value in ends.items() if value is not None}
 
 
-def arc(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+def arc(spec: Spec, part: PhasePart, constraints: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
     """What an arc has of its own.
 
     spec: of the phase that it is a part of.
@@ -137,7 +137,7 @@ def arc(spec: Spec, part: Part, constraints: Mapping[str, dict[str, Any]]) -> di
     return filled({"controls": controls, "states": states, "constraints": constraints})
 
 
-def plain(spec: Spec) -> dict[str, Any]:
+def plain_file(spec: Spec) -> dict[str, Any]:
     """The file as data as it stands, without what is of its own guess and mesh, or of an objective that overrides
     changed; a chain of links is the states and equations that it stands for.
 

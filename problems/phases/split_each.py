@@ -20,7 +20,17 @@ from ..schema.phases import NONE, LinkEntry, PhaseEntry
 from ..schema.spec import Spec
 from .merge import phases_as_written
 from .order import own_entries
-from .split import Part, arc, bounds_of_time, data_of, filled, integral_states, named_paths, plain, split_alone
+from .split import (
+    PhasePart,
+    arc,
+    bounds_of_time,
+    data_of,
+    filled,
+    integral_states,
+    named_paths,
+    plain_file,
+    split_alone,
+)
 
 _BOUNDS = ("lower", "upper", "equals")
 _OF_ALL = ("waypoints", "phases", "links")
@@ -37,7 +47,7 @@ DURATION = "[duration]"
 
 
 def split(
-    spec: Spec, parts: Mapping[str, Sequence[Part]], tolerance: float, refine: float, iterations: int | None = None
+    spec: Spec, parts: Mapping[str, Sequence[PhasePart]], tolerance: float, refine: float, iterations: int | None = None
 ) -> str:
     """A problem file in which every part is a phase, as text.
 
@@ -47,7 +57,7 @@ def split(
     refine: the relative error to which the meshes are refined.
     iterations: of the engine on each mesh, at most; None for as many as the file allows.
     """
-    data = _Split(spec, parts).data(plain(spec)) if own_entries(spec) else split_alone(spec, *parts.values())
+    data = _Split(spec, parts).data(plain_file(spec)) if own_entries(spec) else split_alone(spec, *parts.values())
     data |= {"mesh": [METHOD | {"tolerance": tolerance}], "refine": {"tolerance": refine, "max_meshes": MOST_MESHES}}
     if iterations is not None:
         solver = data.get("solver", {})
@@ -62,7 +72,7 @@ class _Split:
     parts: phase -> its parts, in order.
     """
 
-    def __init__(self, spec: Spec, parts: Mapping[str, Sequence[Part]]) -> None:
+    def __init__(self, spec: Spec, parts: Mapping[str, Sequence[PhasePart]]) -> None:
         self.spec, self.parts = spec, parts
         self.entries, self.merged = own_entries(spec), phases_as_written(spec)
         taken = set(self.entries)

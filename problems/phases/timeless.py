@@ -11,7 +11,7 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 
 
-def mistakes(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
+def timeless_mistakes(spec: Spec, numbers: Mapping[Path, float]) -> Iterator[Finding]:
     """Every mistake of that kind.
 
     spec: of one phase.

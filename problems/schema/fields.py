@@ -230,7 +230,10 @@ class Entry(BaseModel):
     """A mapping of the file. A key with an empty value counts as left out."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, model_title_generator=lambda entry: entry.__name__.removesuffix("Entry")
+        extra="forbid",
+        frozen=True,
+        defer_build=True,  # the validator of a file has those of its entries in it: each by itself is seldom used
+        model_title_generator=lambda entry: entry.__name__.removesuffix("Entry"),
     )
 
     @model_validator(mode="before")

@@ -10,6 +10,7 @@ from pydantic_core import ErrorDetails
 
 from ..text import brief, did_you_mean
 from ..wishes.keys import key_wish, meant
+from ..wishes.lines import entry
 from ..wishes.values import value_wish
 from ..yaml.document import Path, in_words
 from ..yaml.locations import MAX_FINDINGS, UNKNOWN_KEY, Finding, Locations
@@ -110,7 +111,7 @@ def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
         **dict.fromkeys(
             _STRUCTURES, (f"this must be {_STRUCTURES.get(error['type'])}, not {given}", f"write {written}")
         ),
-        "list_type": (f"this must be a list, not {given}", f'start each item with "- ", or write {written}'),
+        "list_type": (f"this must be a list, not {given}", _as_list(key, error.get("input"), written)),
         "bool_type": (f"this must be true or false, not {given}", "write true or false"),
         "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),
         "string_type": (f"this must be a text, not {given}", "put the text in quotes"),
@@ -120,6 +121,12 @@ def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
         "string_too_long": (f"this text is longer than {context.get('max_length')} characters", "shorten it"),
     }
     return words.get(error["type"], (f"this cannot be {given}", f"write {written}"))
+
+
+def _as_list(key: str, value: object, written: str) -> str:
+    """A list of one value, where that is short; else what a list looks like."""
+    line = entry(key, [value])
+    return f"write {line}" if not line.endswith(":") else f'start each item with "- ", or write {written}'
 
 
 def _other_key(path: Path) -> str:

@@ -43,7 +43,9 @@ class PhaseEntry(Entry):
     """One phase. What it does not say is as the top level says it."""
 
     note: Text = Field("", description=NOTE)
-    time: PhaseTime = Field(PhaseTime(), description="{initial, final}, each a number or {lower, upper, guess}")
+    time: PhaseTime = Field(
+        PhaseTime.model_construct(), description="{initial, final}, each a number or {lower, upper, guess}"
+    )
     parameters: dict[str, Parameter] = Field({}, max_length=MAX_NAMES, description=f"constants {OWN}")
     expressions: dict[str, NamedExpression] = Field({}, max_length=MAX_NAMES, description=f"expressions {OWN}")
     states: dict[str, StateEntry] = Field({}, max_length=MAX_NAMES, description=f"states {OWN}, key by key")
@@ -64,7 +66,7 @@ class PhaseEntry(Entry):
         None, description="terms of this phase, added to those of the others; its integral is in place of the top's"
     )
     constraints: Constraints = Field(
-        Constraints(), description="of this phase, beside the path constraints of the top level"
+        Constraints.model_construct(), description="of this phase, beside the path constraints of the top level"
     )
     complementarity: list[ComplementarityEntry] = Field(
         [], max_length=MAX_NAMES, description="of this phase, beside those of the top level"

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Self
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     GetJsonSchemaHandler,
@@ -17,7 +18,7 @@ from pydantic import (
 
 from ..expressions.expression import Expression
 from ..expressions.smooth import SLACK, SQRT, TANH
-from ..tables.series import TIME
+from ..tables.series import TIME, by_time
 from ..text import brief, did_you_mean
 from .declarations import LOWER, UPPER
 from .fields import Entry, Formula, Number, Text, Widths, either_form, mistake
@@ -121,7 +122,9 @@ class GuessEntry(Entry):
     formulas: dict[str, Formula] = Field(
         {}, description="state, control or algebraic variable -> expression of t and parameters"
     )
-    keyframes: dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]] = Field(
+    keyframes: Annotated[
+        dict[str, Annotated[list[Formula], Field(min_length=2, max_length=MAX_KEYFRAMES)]], AfterValidator(by_time)
+    ] = Field(
         {},
         description="state, control or algebraic variable -> values; "
         "time -> their times (optional, first is initial, last is final)",

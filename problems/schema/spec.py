@@ -88,7 +88,9 @@ class Spec(Entry):
         description="a chain of links, {kind: chain, links: [...]}, or the name of a robot: it gives states, "
         "controls, dynamics; the file its parameters, and bounds and ends where there are any",
     )
-    time: Time = Field(Time(), description="{initial, final, unit}; with phases: when the first begins, the last ends")
+    time: Time = Field(
+        Time.model_construct(), description="{initial, final, unit}; with phases: when the first begins, the last ends"
+    )
     states: dict[str, StateEntry] = Field(
         {},
         max_length=MAX_NAMES,
@@ -136,11 +138,15 @@ class Spec(Entry):
     nonsmooth: Nonsmooth | None = Field(
         None, description="how abs, min and max become consistent: slack, {tanh: alpha} or {sqrt: beta}"
     )
-    constraints: Constraints = Field(Constraints(), description="{path, boundary, integral}, each a list")
+    constraints: Constraints = Field(
+        Constraints.model_construct(), description="{path, boundary, integral}, each a list"
+    )
     complementarity: list[ComplementarityEntry] = Field(
         [], max_length=MAX_NAMES, description="pairs that are never both above zero: [{a: gap, b: force}]"
     )
-    guess: GuessEntry = Field(GuessEntry(), description="initial trajectory: linear (default), constants or keyframes")
+    guess: GuessEntry = Field(
+        GuessEntry.model_construct(), description="initial trajectory: linear (default), constants or keyframes"
+    )
     scaling: Scaling = Field(
         "none",
         description="none (default: the solver's own, by gradients), auto (by bounds, guess, Jacobian), or auto with "
@@ -155,7 +161,9 @@ class Spec(Entry):
         max_length=MAX_MESHES,
         description="schedule: each entry starts from the solution before it; left out, the mesh is chosen and refined",
     )
-    solver: Solver = Field(Solver(), description="engine, accept, coarse_start, options of the engine such as max_iter")
+    solver: Solver = Field(
+        Solver.model_construct(), description="engine, accept, coarse_start, options of the engine such as max_iter"
+    )
     continuation: dict[str, Annotated[list[Number], Field(min_length=1, max_length=MAX_STEPS)]] = Field(
         {},
         max_length=MAX_AXES,

@@ -24,7 +24,7 @@ Rows = list[tuple[int, list[str]]]
 """The line and the cells of each row that is neither empty nor a comment."""
 
 
-class Trouble(NamedTuple):
+class ColumnTrouble(NamedTuple):
     """A mistake in a file: what is wrong, and how to mend it."""
 
     what: str
@@ -34,13 +34,13 @@ class Trouble(NamedTuple):
 class ColumnsError(ValueError):
     """A file holds not what it should; `troubles` are all the mistakes that were found."""
 
-    def __init__(self, troubles: Sequence[Trouble]):
+    def __init__(self, troubles: Sequence[ColumnTrouble]):
         self.troubles = tuple(troubles)
         super().__init__("\n".join(f"{trouble.what}; {trouble.remedy}" for trouble in troubles))
 
 
 def refuse(what: str, remedy: str) -> ColumnsError:
-    return ColumnsError([Trouble(what, remedy)])
+    return ColumnsError([ColumnTrouble(what, remedy)])
 
 
 def read_rows(folder: Path, file: str) -> Rows:
@@ -60,7 +60,7 @@ def read_rows(folder: Path, file: str) -> Rows:
     return rows
 
 
-def numbers_of(rows: Rows, columns: Mapping[str, int], file: str, gaps: Container[str] = ()) -> np.ndarray:
+def column_numbers(rows: Rows, columns: Mapping[str, int], file: str, gaps: Container[str] = ()) -> np.ndarray:
     """The numbers in columns, shape (rows, columns).
 
     rows: of `read_rows`.
@@ -78,7 +78,7 @@ def numbers_of(rows: Rows, columns: Mapping[str, int], file: str, gaps: Containe
     for i, (line, cells) in enumerate(rows[1:]):
         if len(cells) != width:
             what = f"{brief(file)}, line {line}: there are {len(cells)} cells for {width} columns"
-            troubles.append(Trouble(what, "write a number for each column, with a point for decimals"))
+            troubles.append(ColumnTrouble(what, "write a number for each column, with a point for decimals"))
             continue
         for j, (name, k) in enumerate(columns.items()):
             if not cells[k] and name in gaps:
@@ -87,11 +87,13 @@ def numbers_of(rows: Rows, columns: Mapping[str, int], file: str, gaps: Containe
             if number is None:
                 shown = f'"{brief(cells[k])}" is no finite number' if cells[k] else "the cell is empty"
                 what = f"{brief(file)}, line {line}, column {brief(name)}: {shown}"
-                troubles.append(Trouble(what, "write a number such as 0.5 or 1e4"))
+                troubles.append(ColumnTrouble(what, "write a number such as 0.5 or 1e4"))
             else:
                 numbers[i, j] = number
     if troubles:
-        more = [Trouble(f"{brief(file)} has more mistakes like these", "mend these first")] * (len(troubles) > MAX_TOLD)
+        more = [ColumnTrouble(f"{brief(file)} has more mistakes like these", "mend these first")] * (
+            len(troubles) > MAX_TOLD
+        )
         raise ColumnsError([*troubles[:MAX_TOLD], *more])
     return numbers
 
@@ -117,7 +119,7 @@ def _inside(folder: Path, file: str) -> Path:
     return path
 
 
-def opened() -> int:
+def opened_table() -> int:
     """CSV files that this process has opened: whoever keeps what was read asks whether the problem file was all."""
     return _opened[0]
 

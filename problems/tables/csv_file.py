@@ -11,7 +11,7 @@ import numpy as np
 
 from ..text import brief, did_you_mean
 from .choices import MAX_ARGUMENTS
-from .columns import ColumnsError, Trouble, number_of, numbers_of, read_rows, refuse
+from .columns import ColumnsError, ColumnTrouble, column_numbers, number_of, read_rows, refuse
 
 
 class Grid(NamedTuple):
@@ -42,7 +42,7 @@ def read_table(folder: Path, file: str, name: str, arguments: Sequence[str] | No
     if value is None and name in header and name not in (arguments or header[:1]):
         value = name
     columns = _columns(header, arguments, value, file)
-    numbers = numbers_of(rows, columns, file)
+    numbers = column_numbers(rows, columns, file)
     return _grid(list(columns)[:-1], numbers, [line for line, _ in rows[1:]], file)
 
 
@@ -55,7 +55,7 @@ def _columns(
         remedy = f"its columns are {', '.join(map(brief, header))}"
         raise ColumnsError(
             [
-                Trouble(f"{brief(file)} has no column {brief(name)}", did_you_mean(name, header, remedy))
+                ColumnTrouble(f"{brief(file)} has no column {brief(name)}", did_you_mean(name, header, remedy))
                 for name in missing
             ]
         )

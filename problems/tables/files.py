@@ -10,11 +10,13 @@ from ..text import brief
 from ..wishes.values import result_as_guess
 from ..yaml.document import Path as Place
 from ..yaml.locations import Finding
-from .columns import ColumnsError, Trouble
+from .columns import ColumnsError, ColumnTrouble
 from .csv_file import read_table
 from .series import read_series
 
-NO_FOLDER = Trouble("a text has no folder that the file could be in", "write the table here, as points: and values:")
+NO_FOLDER = ColumnTrouble(
+    "a text has no folder that the file could be in", "write the table here, as points: and values:"
+)
 NO_FOLDER_OF_SERIES = NO_FOLDER._replace(remedy="write the columns here, as data: {time: [0, 1], x: [0, 1]}")
 OF_FILE = ("file", "arguments", "value")
 """Keys that say where a table is; `points`, `values` and `source` take their place."""

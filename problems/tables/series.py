@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..text import brief
-from .columns import numbers_of, read_rows, refuse
+from .columns import column_numbers, read_rows, refuse
 
 TIME = "time"
 NAMES_OF_TIME = (TIME, "t")
@@ -44,7 +44,7 @@ def read_series(folder: Path, file: str, gaps: bool = False) -> Series:
     if len(header) < 2:
         raise refuse(f"{brief(file)} has a column of times alone", "add columns, named after what they are of")
     places = {name: k for k, name in enumerate(header)}
-    numbers = numbers_of(rows, places, file, {name for name in header if name != time} if gaps else ())
+    numbers = column_numbers(rows, places, file, {name for name in header if name != time} if gaps else ())
     times = numbers[:, places[time]]
     for (before, after), (line, _) in zip(pairwise(times), rows[2:], strict=True):
         if after < before or (after == before and not gaps):

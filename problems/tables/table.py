@@ -24,7 +24,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Axis:
+class TableAxis:
     """One argument: its name, the range of its points, what is done outside, and the breaks between its m cells.
 
     inner: (m - 1,) the breaks, increasing.
@@ -47,7 +47,7 @@ class Table:
     next to each other, and then its lower corner; cells count along the last axis first."""
 
     name: str
-    axes: tuple[Axis, ...]
+    axes: tuple[TableAxis, ...]
     rows: Array = field(repr=False)
 
     @cached_property
@@ -154,7 +154,7 @@ def fitted(
         moved = np.moveaxis(coefficients, 2 * i, 0)
         breaks, fit = fit_of(kind, smooth.get(argument, 0.0))(at, moved, outside[argument] == HOLD)
         coefficients = np.moveaxis(fit, (0, 1), (2 * i, 2 * i + 1))
-        axes.append(Axis(argument, Range(at[0], at[-1]), outside[argument], breaks[1:-1]))
+        axes.append(TableAxis(argument, Range(at[0], at[-1]), outside[argument], breaks[1:-1]))
         left.append(breaks[:-1])
     n = len(axes)
     ordered = coefficients.transpose(*range(0, 2 * n, 2), *range(1, 2 * n, 2)).reshape(-1, ORDER**n)

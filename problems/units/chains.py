@@ -17,7 +17,7 @@ from ..schema.spec import Spec
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .infer import mended
-from .measure import Measure, angle, measured, same
+from .measure import Measure, angle, measure_of, same
 from .phase import PhaseUnits
 
 MASS, LENGTH, INERTIA = (1, 0, 0), (0, 1, 0), (1, 2, 0)
@@ -26,7 +26,7 @@ DEFAULTS = ("m", "rad", "N", "N*m")
 """Units that states and controls of a chain have where the file says nothing."""
 
 
-class Given(NamedTuple):
+class ChainValue(NamedTuple):
     """A value of a chain. power: of mass, length and time; None for an angle."""
 
     path: Path
@@ -68,58 +68,58 @@ def _points(chain: Chain) -> list[str]:
     return [*(body.name for body in chain.bodies), "com"]
 
 
-def _wrong(given: list[Given], units: PhaseUnits) -> list[Finding]:
+def _wrong(given: list[ChainValue], units: PhaseUnits) -> list[Finding]:
     """What is in a unit of another system than most of a chain."""
-    time = units.time if isinstance(units.time, Measure) else measured("s")
+    time = units.time if isinstance(units.time, Measure) else measure_of("s")
     masses, lengths = _candidates("kg", MASS, given), _candidates("m", LENGTH, given)
     best: tuple[int, list[Finding]] | None = None
-    for mass, length, second in product(masses, lengths, [time, measured("s")]):
+    for mass, length, second in product(masses, lengths, [time, measure_of("s")]):
         system = [own for own in (mass, length, second) if own is not None]
         clashes = [own for own in given if not same(own.unit, _wanted(own, system))]
         weight = sum(1 + (own.unit.text in DEFAULTS) for own in clashes)
         found = [_clash(own, _wanted(own, system)) for own in clashes]
         if time is not None and not same(time, system[2]):
             weight += 1
-            found.append(_clash(Given(("time", "unit"), "the time", time, None), system[2]))
+            found.append(_clash(ChainValue(("time", "unit"), "the time", time, None), system[2]))
         if best is None or weight < best[0]:
             best = weight, found
     return best[1] if best else []
 
 
-def _may_vary(own: Given) -> bool:
+def _may_vary(own: ChainValue) -> bool:
     return own.power in (FORCE, TORQUE) or own.path[0] != "expressions"
 
 
-def _candidates(first: str, power: tuple[int, int, int], given: list[Given]) -> list[Measure]:
+def _candidates(first: str, power: tuple[int, int, int], given: list[ChainValue]) -> list[Measure]:
     """The units that values of a kind are in."""
-    found = [own for own in [measured(first)] if own is not None]
+    found = [own for own in [measure_of(first)] if own is not None]
     for own in given:
         if own.power == power and not any(same(own.unit, other) for other in found):
             found.append(own.unit)
     return found
 
 
-def _wanted(own: Given, system: list[Measure]) -> Measure:
+def _wanted(own: ChainValue, system: list[Measure]) -> Measure:
     """The unit of a value in a system of mass, length and time."""
     wanted = angle()
     if own.power is not None:
         mass, length, time = (unit.power(power) for unit, power in zip(system, own.power, strict=True))
         wanted = mass.times(length).times(time)
-    known = map(measured, (*DEFAULTS, "kg", "m/s^2", "kg*m^2"))
+    known = map(measure_of, (*DEFAULTS, "kg", "m/s^2", "kg*m^2"))
     return next((unit for unit in known if unit is not None and same(unit, wanted)), wanted)
 
 
-def _clash(own: Given, wanted: Measure) -> Finding:
+def _clash(own: ChainValue, wanted: Measure) -> Finding:
     what = f"{own.told} is {own.unit.told}, and the chain needs it {wanted.told}"
     return Finding(own.path, what, mended(own.unit, wanted))
 
 
-def _given(chain: Chain, units: PhaseUnits) -> Iterator[Given]:
+def _given(chain: Chain, units: PhaseUnits) -> Iterator[ChainValue]:
     """All of a chain that has a unit."""
     for path, told, name, power in (*_of_links(chain), *_around(chain), *_coordinates(chain)):
         unit = units.of(name)
         if isinstance(unit, Measure):
-            yield Given(path, told, unit, power)
+            yield ChainValue(path, told, unit, power)
 
 
 Row = tuple[Path, str, str, tuple[int, int, int] | None]

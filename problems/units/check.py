@@ -16,7 +16,7 @@ from ..yaml.locations import Finding
 from .chains import in_chain
 from .infer import Reader, Value, mended
 from .measure import Measure, same
-from .phase import PhaseUnits, Term
+from .phase import PhaseUnits, TermUnit
 
 
 def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
@@ -58,7 +58,7 @@ class _Across:
         symbols = self.shared.symbols
         self.reader = Reader(self._of, self.shared.reader.tables, symbols.constant_value, symbols.is_constant)
 
-    def check(self) -> list[Term]:
+    def check(self) -> list[TermUnit]:
         """Look at everything. Returns the term of the objective that is of the whole trajectory."""
         for i, link in expression_links(self.spec):
             self._condition(("links", i), link)
@@ -70,7 +70,7 @@ class _Across:
                 self.reader.agree(("guess", "keyframes", name, i), value, wanted, f"{name} is")
         terminal = self.spec.objective.terms.terminal
         path: Path = ("objective", self.spec.objective.sense, "terminal")
-        return [] if terminal is None else [Term(path, self.reader.read(path, terminal))]
+        return [] if terminal is None else [TermUnit(path, self.reader.read(path, terminal))]
 
     def _condition(self, path: Path, entry: LinkEntry | ConstraintEntry) -> None:
         if entry.expression is not None:
@@ -101,7 +101,7 @@ def _passages(spec: Spec, phases: Mapping[str, PhaseUnits]) -> Iterator[Finding]
                 yield Finding(path, what, remedy)
 
 
-def _objective(terms: list[Term]) -> Iterator[Finding]:
+def _objective(terms: list[TermUnit]) -> Iterator[Finding]:
     """The terms of the objective, which are added, are in one unit."""
     known = [(path, value) for path, value in terms if isinstance(value, Measure)]
     for path, value in known[1:]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.functions import FUNCTIONS, OfUnits
-from ..expressions.tree import Chain, Lookup, Name, Node, Number, Operation
+from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain
 from ..text import shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -79,6 +79,7 @@ class Reader:
         """Whether an expression is in the unit that something else gives.
 
         path: of the expression.
+        expression: without mistakes.
         wanted: its unit.
         said: what asks for it: "the rate of x is".
         """
@@ -87,11 +88,22 @@ class Reader:
             self.clash(path, f"{said} {wanted.told}, and {_quoted(expression.text)} {value.told}", value, wanted)
 
     def clash(self, path: Path, what: str, given: Measure, wanted: Measure) -> None:
-        """Add the finding that something is in one unit, and should be in another."""
+        """Add the finding that something is in one unit, and should be in another.
+
+        path: of what is in the wrong unit.
+        what: the sentence.
+        given: the unit that it has.
+        wanted: the one that it should have.
+        """
         self.add(path, what, mended(given, wanted))
 
     def add(self, path: Path, what: str, remedy: str) -> None:
-        """Add a finding."""
+        """Add a finding.
+
+        path: of what is wrong.
+        what: is wrong.
+        remedy: for it.
+        """
         self.findings.append(Finding(path, what, remedy))
 
 
@@ -109,7 +121,7 @@ class _Walk:
                 value = Literal(small or number == math.pi)
             case Name():
                 value = self.reader.names(node)
-            case Chain():
+            case OperatorChain():
                 value = self.chain(node)
             case Operation(symbol="**"):
                 value = self.power(node)
@@ -119,7 +131,7 @@ class _Walk:
                 value = self.look_up(node)
         return value
 
-    def chain(self, node: Chain) -> Value:
+    def chain(self, node: OperatorChain) -> Value:
         value, left = self.visit(node.first), node.first
         for link in node.links:
             other = self.visit(link.operand)

@@ -96,7 +96,7 @@ def _registry() -> Any:
 
 
 @cache
-def measured(text: str) -> Measure | None:
+def measure_of(text: str) -> Measure | None:
     """The measure of a unit; None where pint knows no such unit.
 
     text: as in a file: "m/s^2", "kg m^2", "1000 lbf", "deg", "1" for a pure number.

@@ -17,10 +17,10 @@ from ..yaml.document import Path
 from ..yaml.locations import Finding
 from .columns import sum_of_squares
 from .infer import Reader, Tables, Value
-from .measure import Measure, measured, pure
+from .measure import Measure, measure_of, pure
 
 
-class Term(NamedTuple):
+class TermUnit(NamedTuple):
     """A term of the objective and its unit."""
 
     path: Path
@@ -70,7 +70,7 @@ class PhaseUnits:
         """What a text at a path means."""
         if not text:
             return None
-        measure = measured(text)
+        measure = measure_of(text)
         if measure is None:
             self.unknown[path] = text
         return measure
@@ -99,7 +99,7 @@ class PhaseUnits:
     def _per_time(self, value: Value) -> Measure | None:
         return value.over(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None
 
-    def check(self) -> list[Term]:
+    def check(self) -> list[TermUnit]:
         """Look at everything that is said. Returns the terms of the objective."""
         for section in ("parameters", "expressions"):
             for name, entry in getattr(self.spec, section).items():
@@ -158,16 +158,16 @@ class PhaseUnits:
             for i, value in enumerate(row):
                 self.reader.agree(("guess", "keyframes", name, i), value, wanted, f"{name} is")
 
-    def _objective(self) -> Iterator[Term]:
+    def _objective(self) -> Iterator[TermUnit]:
         terms, path = self.spec.objective.terms, ("objective", self.spec.objective.sense)
         if terms.integral is not None:
             value = self.reader.read((*path, "integral"), terms.integral)
-            yield Term((*path, "integral"), self._over_time(value))
+            yield TermUnit((*path, "integral"), self._over_time(value))
         if terms.terminal is not None:
-            yield Term((*path, "terminal"), self.reader.read((*path, "terminal"), terms.terminal))
+            yield TermUnit((*path, "terminal"), self.reader.read((*path, "terminal"), terms.terminal))
         for name, entry in self.spec.measurements.items():
             found = sum_of_squares(name, entry, self.symbols, self.time, self.unit, self.reader)
-            yield from (Term(*term) for term in found)
+            yield from (TermUnit(*term) for term in found)
 
     def _over_time(self, value: Value) -> Measure | None:
         return value.times(self.time) if isinstance(value, Measure) and isinstance(self.time, Measure) else None

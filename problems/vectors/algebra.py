@@ -48,7 +48,7 @@ def shape_of(value: Value) -> Shape:
     return () if isinstance(value, Scalar) else (len(value), *shape_of(value[0]))
 
 
-def in_words(shape: Shape) -> str:
+def shape_in_words(shape: Shape) -> str:
     """What a value of a shape is."""
     if len(shape) < 2:
         return f"a vector of {shape[0]}" if shape else "one value"
@@ -69,9 +69,9 @@ def indexed(value: Value) -> Iterator[tuple[tuple[int, ...], Scalar]]:
     return zip(product(*map(range, shape_of(value))), each(value), strict=True)
 
 
-def mapped(value: Value, new: Callable[[Scalar], Scalar]) -> Value:
+def each_mapped(value: Value, new: Callable[[Scalar], Scalar]) -> Value:
     """A value of the same shape."""
-    return new(value) if isinstance(value, Scalar) else [mapped(own, new) for own in value]
+    return new(value) if isinstance(value, Scalar) else [each_mapped(own, new) for own in value]
 
 
 def minus(a: Scalar) -> Scalar:
@@ -145,7 +145,7 @@ def transpose(matrix: Sequence[Sequence[Scalar]]) -> list[Vector]:
     return [list(row) for row in zip(*matrix, strict=True)]
 
 
-class Row(NamedTuple):
+class VectorFunction(NamedTuple):
     """A function that takes vectors as a whole.
 
     sizes: of its operands; 0 for any size, None for a matrix.
@@ -160,15 +160,15 @@ class Row(NamedTuple):
 
 _LAST = "whose scalar part is last"
 
-FUNCTIONS: dict[str, Row] = {
-    "dot": Row((0, 0), dot, "dot(a, b)"),
-    "cross": Row((3, 3), cross, "cross(a, b) with vectors of 3; in the plane a[1]*b[2] - a[2]*b[1]"),
-    "sum": Row((0,), total, "sum(a)"),
-    "norm": Row((0,), norm, "norm(a)"),
-    "quat_mul": Row((4, 4), quat_mul, f"quat_mul(p, q) with quaternions {_LAST}"),
-    "quat_conj": Row((4,), quat_conj, f"quat_conj(q) with a quaternion {_LAST}"),
-    "rotate": Row((4, 3), rotate, f"rotate(q, v) with a quaternion {_LAST}, and a vector of 3"),
-    "transpose": Row((None,), transpose, "transpose(A) with a list of rows"),
+FUNCTIONS: dict[str, VectorFunction] = {
+    "dot": VectorFunction((0, 0), dot, "dot(a, b)"),
+    "cross": VectorFunction((3, 3), cross, "cross(a, b) with vectors of 3; in the plane a[1]*b[2] - a[2]*b[1]"),
+    "sum": VectorFunction((0,), total, "sum(a)"),
+    "norm": VectorFunction((0,), norm, "norm(a)"),
+    "quat_mul": VectorFunction((4, 4), quat_mul, f"quat_mul(p, q) with quaternions {_LAST}"),
+    "quat_conj": VectorFunction((4,), quat_conj, f"quat_conj(q) with a quaternion {_LAST}"),
+    "rotate": VectorFunction((4, 3), rotate, f"rotate(q, v) with a quaternion {_LAST}, and a vector of 3"),
+    "transpose": VectorFunction((None,), transpose, "transpose(A) with a list of rows"),
 }
 """One row for each of them; `norm` of several scalars, and `sum` over a loop, are of the language without vectors."""
 
@@ -192,9 +192,9 @@ def of_vectors(name: str, given: Sequence[Value], shown: Sequence[str]) -> Value
         if len(shape) != (2 if size is None else 1) or (size and shape != (size,)):
             takes = "a matrix" if size is None else f"a vector of {size}" if size else "vectors"
             remedy = f"write {row.written}" + ("" if shape else f"; {_MADE}")
-            raise Unfit(f"{name} takes {takes}, and {shorten(text, 40)} is {in_words(shape)}", remedy)
+            raise Unfit(f"{name} takes {takes}, and {shorten(text, 40)} is {shape_in_words(shape)}", remedy)
     if name == "dot" and shape_of(given[0]) != shape_of(given[1]):
-        told = " and ".join(in_words(shape_of(own)) for own in given)
+        told = " and ".join(shape_in_words(shape_of(own)) for own in given)
         raise Unfit(f"{told} do not go together", "make both of one length")
     value: Value = row.work(*given)
     return value
@@ -219,7 +219,7 @@ def elementwise(work: Callable[..., Scalar], *operands: Value) -> Value:
         operands = tuple(map(as_vector, operands))
         shapes = {shape_of(own) for own in operands} - {()}
     if len(shapes) > 1:
-        told = " and ".join(in_words(shape_of(own)) for own in operands)
+        told = " and ".join(shape_in_words(shape_of(own)) for own in operands)
         mixed = {len(shape) for shape in shapes} == {1, 2}
         remedy = "make both of one shape; a matrix of n columns times a vector of n is A @ x"
         raise Unfit(f"{told} do not go together", remedy if mixed else "make both of one length")
@@ -232,7 +232,7 @@ def matrix_product(a: Any, b: Any) -> Value:
     """a @ b, of two vectors their dot product. Raises Unfit where the rows of a are not as long as b."""
     left, right = shape_of(a), shape_of(b)
     if not left or not right or left[-1] != right[0]:
-        what = f"{in_words(left)} and {in_words(right)} have no product @"
+        what = f"{shape_in_words(left)} and {shape_in_words(right)} have no product @"
         raise Unfit(what, "multiply a matrix by a vector that is as long as its rows, and one value by *")
     rows = a if len(left) == 2 else [a]
     columns = transpose(b) if len(right) == 2 else [b]

@@ -13,9 +13,9 @@ from ..names.symbols import UNKNOWN
 from ..text import tidy
 from ..yaml.document import MAX_NODES, Path
 from ..yaml.locations import Finding
-from ..yaml.punctuation import range_of
+from ..yaml.punctuation import ends_of_range
 from ..yaml.told import Made
-from .algebra import Scalar, Shape, Value, as_vector, in_words, indexed, shape_of
+from .algebra import Scalar, Shape, Value, as_vector, indexed, shape_in_words, shape_of
 from .misfits import Misfit
 from .parsed import names_in
 from .reader import evaluate
@@ -121,7 +121,7 @@ class Filler:
         if not one.shape:
             return [self.value(own, one.at(i)) for i, own in enumerate(value)]
         if len(value) != one.shape[0]:
-            return self._refused(one, f"this is a list of {len(value)}, and has to be {in_words(one.shape)}")
+            return self._refused(one, f"this is a list of {len(value)}, and has to be {shape_in_words(one.shape)}")
         return self.value(value[one.index[0]], one.item())
 
     def _text(self, found: Value, text: str, one: Component) -> Any:
@@ -132,7 +132,7 @@ class Filler:
         if isinstance(found, Scalar) and not (one.shape and one.path[-1] in RATES):
             return found.text
         if shape_of(found := as_vector(found) if len(one.shape) == 1 else found) != one.shape:
-            what = f"this is {in_words(shape_of(found))}, and has to be {in_words(one.shape)}"
+            what = f"this is {shape_in_words(shape_of(found))}, and has to be {shape_in_words(one.shape)}"
             return self._undeclared(text, one.names) or self._refused(one, what, text)
         return one.of(found).text
 
@@ -152,7 +152,7 @@ class Filler:
         if not one.shape and {*one.path[:3:2]} & {*DEFINED}:  # or it would be a vector, too
             self.findings.append(Finding(one.path, "this is a vector made of itself", "give it without itself"))
             return UNKNOWN
-        if not one.shape and one.path[-1] in ("initial", "final") and (ends := range_of(text)):
+        if not one.shape and one.path[-1] in ("initial", "final") and (ends := ends_of_range(text)):
             lower, upper = ends
             remedy = f"write {one.path[-1]}: {{lower: {lower}, upper: {upper}}}"
             self.findings.append(Finding(one.path, "a range is no list", remedy))
@@ -163,7 +163,12 @@ class Filler:
         return UNKNOWN
 
     def evaluated(self, text: str, names: Names, path: Path) -> Value | None:
-        """The components of a text; None for one without vectors, and MISTAKEN for a mistaken one, of which is told."""
+        """The components of a text; None for one without vectors, and MISTAKEN for a mistaken one, of which is told.
+
+        text: an expression.
+        names: of the file, or of the phase that it stands in.
+        path: where a mistake is told.
+        """
         if (key := (id(names), text)) not in self.known:
             try:
                 self.known[key] = evaluate(text, names)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..text import shorten
 from ..yaml.document import Path, dotted
 from ..yaml.locations import Finding
-from .algebra import Shape, in_words
+from .algebra import Shape, shape_in_words
 
 
 class Vector(NamedTuple):
@@ -60,6 +60,6 @@ def _wanted(own: tuple[str, Vector], misfit: Misfit) -> int:
 def _told(name: str, vector: Vector, misfits: Sequence[Misfit]) -> Finding:
     size = _wanted((name, vector), misfits[0])
     where = ", ".join(dict.fromkeys(dotted(misfit.finding.path) for misfit in misfits))
-    what = f"{name} is {in_words(vector.shape)}, and stands with vectors of {size} in {shorten(where, 120)}"
+    what = f"{name} is {shape_in_words(vector.shape)}, and stands with vectors of {size} in {shorten(where, 120)}"
     remedy = f"write size: {size}" if vector.path[-1] == "size" else f"give it {size} values"
     return Finding(vector.path, what, f"{remedy}, or make the others as long as it is")

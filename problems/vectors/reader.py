@@ -27,13 +27,13 @@ from .algebra import (
     Unfit,
     Value,
     each,
+    each_mapped,
     elementwise,
-    in_words,
-    mapped,
+    shape_in_words,
     shape_of,
 )
 from .parsed import names_of
-from .texts import OWN, FileFunction, Scope, Slip, Text
+from .texts import OWN, FileFunction, NoExpression, Scope, Text
 from .wanted import unknown_function
 
 MAX_CALLS = 200  # of functions of the file in one text, and in their bodies
@@ -109,7 +109,7 @@ class _Reader(Text):
             return True
         try:
             self.whole()
-        except Slip:  # of which is told where the function is declared
+        except NoExpression:  # of which is told where the function is declared
             return False
         except Mistaken:
             return True
@@ -134,7 +134,7 @@ class _Reader(Text):
     def _operation(self, node: ast.expr) -> Value | None:
         match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return mapped(self.value(operand), algebra.minus)
+                return each_mapped(self.value(operand), algebra.minus)
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
                 return self.value(operand)
             case ast.BinOp(op=ast.Pow(), left=left, right=right):
@@ -170,7 +170,7 @@ class _Reader(Text):
         a, b = shape_of(left), shape_of(right)
         if {len(a), len(b)} != {1, 2} or a[-1] != b[0] or 1 in (*a, *b):
             return None
-        what = f"{in_words(a)} and {in_words(b)} are multiplied by @, and * goes element by element"
+        what = f"{shape_in_words(a)} and {shape_in_words(b)} are multiplied by @, and * goes element by element"
         return self.refuse(node, what, f"write {self.source(node.left)} @ {self.source(node.right)}")
 
     def made(self, node: ast.expr, work: Callable[..., Value], *operands: Any) -> Value:
@@ -190,7 +190,7 @@ class _Reader(Text):
                 if any(name in self.arguments for name in names_of(node.value)):
                     what = "this is an argument here, and has one value"
                     raise self.refuse(node, what, f"write {self.source(node.value)}")
-                return mapped(base, lambda own: Scalar(f"{own.text}[{mark}]"))
+                return each_mapped(base, lambda own: Scalar(f"{own.text}[{mark}]"))
             case ast.Tuple(elts=items):
                 for item in items:
                     base = self._component(node, base, item)
@@ -226,7 +226,7 @@ class _Reader(Text):
             inside, base = self.text[function.end_col_offset : node.end_col_offset], self.value(function)
             if isinstance(function, ast.Attribute) and isinstance(base, Scalar):
                 return Scalar(self.plain(self.source(node)))
-            return mapped(base, lambda own: Scalar(f"{own.text}{inside}"))
+            return each_mapped(base, lambda own: Scalar(f"{own.text}{inside}"))
         if name in _OF_ALL and len(given) == len(vectors) == 1:
             return Scalar(f"{name}({', '.join(own.text for own in each(given[0]))})")
         if unknown := unknown_function(name, self.scope.called):

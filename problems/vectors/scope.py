@@ -12,7 +12,7 @@ from ..language.ranges import Mistaken, whole
 from ..schema.tables import called_names
 from ..yaml.document import Path
 from ..yaml.locations import Finding
-from .algebra import Scalar, Shape, Value, in_words, mapped, shape_of
+from .algebra import Scalar, Shape, Value, each_mapped, shape_in_words, shape_of
 from .misfits import Misfit, Vector
 from .parsed import names_in
 from .reader import evaluate, is_of_vectors
@@ -81,7 +81,7 @@ class Names:
             shape = self._shape(entry["size"])
             before = self.above.vectors.get(name) if self.above else None
             if before is not None and shape_of(before) != shape:
-                raise Mistaken(f"{name} is {in_words(shape_of(before))} at the top level", "leave size: out here")
+                raise Mistaken(f"{name} is {shape_in_words(shape_of(before))} at the top level", "leave size: out here")
         except Mistaken as mistake:
             key = next(key for key in ("size", *RATES) if key in entry)
             self.findings.append(Finding((*path, key), mistake.what, mistake.remedy))
@@ -117,7 +117,7 @@ class Names:
             remedy = f"write size: {size} beside it, or give one component, as in q[1]"
             self._make(name, entry, shape)
             self.waiting.clear()
-        told = Finding(path, f"{name} is {in_words(own)}, and its {key} {in_words(shape)}", remedy)
+        told = Finding(path, f"{name} is {shape_in_words(own)}, and its {key} {shape_in_words(shape)}", remedy)
         self.misfits.append(Misfit(told, self.vectors_among([name, *names_in(entry[key])])))
         self.guessed.add(name)
 
@@ -138,7 +138,7 @@ class Names:
         if point:
             scope = self if first == INTEGRAL else self.phases.get(first)
             value = scope.vector(inner) if scope else None
-            return None if value is None else mapped(value, lambda own: Scalar(f"{first}.{own.text}"))
+            return None if value is None else each_mapped(value, lambda own: Scalar(f"{first}.{own.text}"))
         found = self._own(name)
         if found is not None or name in self.defined:
             return found

@@ -46,7 +46,7 @@ class Scope(Protocol):
         """Whether a name has the same value at all times."""
 
 
-class Slip(Mistaken):
+class NoExpression(Mistaken):
     """What no expression may look like, with vectors or without."""
 
 
@@ -78,8 +78,8 @@ class Text:
         except ExpressionError as error:
             if _LIST.search(new):  # which is none of the slips that are looked for
                 what = f'"{shorten(text, 60)}" cannot be read as an expression'
-                raise Slip(what, "look for a missing operator, bracket or comma") from error
-            raise Slip(error.what, error.remedy) from error
+                raise NoExpression(what, "look for a missing operator, bracket or comma") from error
+            raise NoExpression(error.what, error.remedy) from error
         return new
 
     def _plain(self, found: re.Match[str]) -> str:
@@ -112,5 +112,11 @@ class Text:
         return self.text[node.col_offset : node.end_col_offset]
 
     def refuse(self, node: ast.expr, what: str, remedy: str) -> Mistaken:
+        """The mistake in a part of the text.
+
+        node: the part.
+        what: is wrong with it.
+        remedy: for it.
+        """
         shown = self.source(node) if self.colons else self.source(node).replace(":", "..")
         return Mistaken(f'"{shorten(shown, 60)}": {what}', remedy, shown)

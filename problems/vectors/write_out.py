@@ -22,7 +22,7 @@ from ..names.symbols import UNKNOWN
 from ..yaml.document import Path
 from ..yaml.locations import Finding
 from ..yaml.told import InWords, Made, Named
-from .algebra import Scalar, Shape, each, in_words, indexed, shape_of
+from .algebra import Scalar, Shape, each, indexed, shape_in_words, shape_of
 from .component import KEPT, MISTAKEN, Component, Filler, each_of
 from .misfits import told_once
 from .scope import DECLARED, DEFINED, Names, entries_of
@@ -54,7 +54,7 @@ class WrittenOut(NamedTuple):
     in_words: InWords = InWords()
 
 
-def written_out(data: Mapping[str, Any]) -> WrittenOut:
+def vectors_written_out(data: Mapping[str, Any]) -> WrittenOut:
     """The data of a file with its vectors written out; templates are so already."""
     names = Names(data, whole_numbers(data.get("parameters")), None, ())
     filler = Filler()
@@ -262,7 +262,7 @@ class _Writer:
                 self.filler.texts[(*path, i)] = own.text, text
             return [own.text for own in each(found)]
         name = text if text.isidentifier() else "q"
-        what = f"this is {in_words(shape)}, and {'a point is a vector of 2' if points else 'has to be one value'}"
+        what = f"this is {shape_in_words(shape)}, and {'a point is a vector of 2' if points else 'has to be one value'}"
         remedy = f"write {name}[1..2], or [{name}[1], {name}[2]]" if points else f"name a component, as in {name}[1]"
         self.filler.findings.append(Finding(path, what, remedy))
         return [UNKNOWN, UNKNOWN] if points else UNKNOWN

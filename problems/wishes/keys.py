@@ -109,6 +109,14 @@ def _periodic(value: Any, path: Path) -> str:
     return f'boundary: [{{expression: "{names[0]}[final] - {names[0]}[initial]", equals: 0}}]'
 
 
+def _jump(value: Any, _: Path) -> str:
+    """Of the first state that jumps."""
+    name, after = next(iter(value.items()), ("v", "-0.8*v")) if isinstance(value, dict) else ("v", "-0.8*v")
+    told = re.sub(rf"\b{re.escape(str(name))}\b(?!\[)", f"a.{name}[final]", str(after))
+    condition = f'"b.{name}[initial] = {told}"'
+    return f"except: [{name}], and as another entry {condition}, with the names of your phases for a and b"
+
+
 _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
     ("file", "outputs output observables derived"): ("what is looked at is a named expression", _output),
     ("file", "include includes import imports extends inherit inherits base"): ("a file stands by itself", _INCLUDED),
@@ -181,6 +189,11 @@ _ELSEWHERE: dict[tuple[str, str], tuple[str, Line | str]] = {
         "an earlier result is given on the command line",
         lambda value, _: f"trajopt solve FILE --guess {value if isinstance(value, str) else 'RESULT.h5'}",
     ),
+    ("link", "jump jumps reset resets impact map"): ("a state that jumps does not go on by itself", _jump),
+    ("link", "states state continuous continuity"): (
+        "all states that both phases have go on",
+        "except: [v], with those that do not",
+    ),
     ("objective", "lagrange running running_cost integral stage_cost"): (
         "its terms stand under minimize: or maximize:",
         lambda value, _: f"minimize: {{{entry('integral', value)}}}",
@@ -226,6 +239,16 @@ def key_wish(path: Path, value: Any) -> Wish | None:
         if kind == "objective" and isinstance(value, str):
             line = f"{key}: {terms(value)}"
         return Wish(key, "", f"{key}: in place of {word}:" if line == f"{key}:" or kind == "file" else line)
+    return _by_value(kind, word, value, path)
+
+
+def _by_value(kind: str, word: str, value: Any, path: Path) -> Wish | None:
+    """What is said of a word that says nothing, by what it is given."""
+    if kind == "measured" and isinstance(value, list):
+        return Wish("", "columns stand under data", f"data: {{{entry(word, value)}}}, with the others beside it")
+    if kind == "guess" and isinstance(value, dict):
+        line = f"phases: {{{word}: {{{entry('guess', value)}}}}}"
+        return Wish("", "what a phase guesses stands in the phase", line)
     if kind == "guess" and isinstance(value, int | float | list | str) and not isinstance(value, bool):
         return Wish("", "the guess of one variable is of a kind", _guess_of_name(value, path))
     return None
@@ -253,7 +276,9 @@ _KINDS: tuple[tuple[tuple[object, ...], str], ...] = (
     (("objective", "minimize"), "terms"),
     (("objective", "maximize"), "terms"),
     (("constraints", str, int), "constraint"),
-    (("links", int), "constraint"),
+    (("links", int), "link"),
+    (("complementarity", int), "pair"),
+    (("measurements", str), "measured"),
     (("states", str, "initial"), "end"),
     (("states", str, "final"), "end"),
     (("time", "initial"), "end"),

@@ -48,14 +48,14 @@ def condition(text: str) -> dict[str, Any] | None:
         if SIDES[signs[0]] != SIDES[signs[1]] or SIDES[signs[0]] == "equals":
             return None
         lower, expression, upper = sides if SIDES[signs[0]] == "upper" else sides[::-1]
-        return {"expression": expression, "lower": plain(lower), "upper": plain(upper)}
+        return {"expression": expression, "lower": plain_value(lower), "upper": plain_value(upper)}
     (left, right), sign = sides, signs[0]
     if re.fullmatch(NUMBER, left):  # 1 >= x
         left, right, sign = right, left, _TURNED.get(sign, sign)
-    return {"expression": left, SIDES[sign]: plain(right)}
+    return {"expression": left, SIDES[sign]: plain_value(right)}
 
 
-def plain(text: str) -> Any:
+def plain_value(text: str) -> Any:
     """A number where the text is one."""
     if not re.fullmatch(NUMBER, text):
         return shorten(text, LONGEST)

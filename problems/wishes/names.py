@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection
 
 from ..yaml.document import Path
-from .values import ENDLESS, no_value
+from .values import ENDLESS, leave_out
 
 _WORDS = {
     "write t[final] for the final time": "tf t_f T_f tF t_F t_final tfinal t_end tend T_final final_time",
@@ -37,15 +37,15 @@ def name_wish(name: str, path: Path, varying: Collection[str], states: Collectio
     states: those of them that have a rate.
     """
     if name in _NOTHING.split() and path[0] not in ("parameters", "expressions"):
-        return no_value(path)
+        return leave_out(path)
     key = path[-2] if path[-1] == "value" else path[-1]
     if name in _GIVEN.split() and path[0] not in ("parameters", "expressions") and key in ("initial", "final"):
         return f"write its value, such as {key}: 1"
     if name in ENDLESS:
         ended = path[-1] in ("lower", "upper", "initial", "final", "value")
-        return no_value(path) if ended and path[0] != "parameters" else "write a large number, such as 1e6"
+        return leave_out(path) if ended and path[0] != "parameters" else "write a large number, such as 1e6"
     if path[0] == "time" and name in _REMEDIES:
-        return no_value(path)
+        return leave_out(path)
     return (
         _REMEDIES.get(name)
         or _of_an_attribute(name, varying)

@@ -6,6 +6,7 @@ _BOUNDS = {
     "lower": "min minimum lb lower_bound lbound low least",
     "upper": "max maximum ub upper_bound ubound high most",
 }
+_CONDITION = {**_BOUNDS, "expression": "expr function formula", "equals": "equal eq value"}
 RENAMED = {
     "file": {
         "parameters": "params param constants constant consts const",
@@ -47,7 +48,21 @@ RENAMED = {
         "boundary": "terminal final initial event events endpoint boundary_conditions ends",
         "integral": "isoperimetric integrals",
     },
-    "constraint": {**_BOUNDS, "expression": "expr function formula", "equals": "equal eq value"},
+    "constraint": _CONDITION,
+    "link": {
+        **_CONDITION,
+        "from": "first start before phase",
+        "to": "second end after next",
+        "except": "without but",
+    },
+    "pair": {"a": "gap distance first x lhs", "b": "force second y rhs", "relax": "relaxation epsilon eps mu"},
+    "measured": {
+        "deviations": "sigma sigmas std stdev error errors uncertainty uncertainties noise se sd",
+        "weights": "w",
+        "data": "values samples points",
+        "file": "csv path filename",
+        "compare": "columns expression expressions model outputs",
+    },
     "mesh": {
         "segments": "nodes intervals N n points steps elements num_segments n_segments num_intervals",
         "degree": "order colpoints collocation_points points_per_segment polynomial_degree",

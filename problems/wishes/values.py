@@ -8,9 +8,9 @@ from math import isinf
 from typing import Any
 
 from ..yaml.document import Path, in_words, scalar
-from ..yaml.punctuation import comma_in_number, range_of
+from ..yaml.punctuation import comma_in_number, ends_of_range
 from .keys import terms
-from .lines import NUMBER, condition, entry, flow, plain
+from .lines import NUMBER, condition, entry, flow, plain_value
 
 Words = tuple[str, str]
 """What is wrong, and the remedy."""
@@ -70,6 +70,7 @@ def value_wish(path: Path, given: Any) -> Words | None:
         _end(path, given)
         or _not_a_value(path, given)
         or _section(path, given)
+        or _table(path, given)
         or _entry(path, given)
         or _constraint(path, given)
     )
@@ -82,8 +83,8 @@ def _end(path: Path, given: Any) -> Words | None:
     if key in ("initial", "final") and isinstance(given, list) and len(given) == 2:
         limits = [entry(side, end) for side, end in zip(("lower", "upper"), given, strict=True) if not _endless(end)]
         range_ = f"write {key}: {{{', '.join(limits)}}}"
-        return "a range is no list", range_ if limits else no_value(path)
-    if key in ("initial", "final") and isinstance(given, str) and (ends := range_of(given)):
+        return "a range is no list", range_ if limits else leave_out(path)
+    if key in ("initial", "final") and isinstance(given, str) and (ends := ends_of_range(given)):
         return _end(path, list(map(scalar, ends)))
     if key in ("initial", "final") and isinstance(given, str) and (limit := condition(f"x {given}")):
         return "an end has a range", f"write {key}: {flow({side: limit[side] for side in limit if side in _SIDES})}"
@@ -94,9 +95,9 @@ def _not_a_value(path: Path, given: Any) -> Words | None:
     """What is said of yes, no and infinity."""
     key = str(path[-1])
     if isinstance(given, bool) and path[0] in ("states", "controls", "algebraic", "optimize", "time"):
-        return f"{key} is {in_words(given)}", f"write its value, such as {key}: 1" if given else no_value(path)
+        return f"{key} is {in_words(given)}", f"write its value, such as {key}: 1" if given else leave_out(path)
     if isinstance(given, float) and isinf(given) and key in ("lower", "upper"):
-        return "this is infinite, or a number above 1e308", no_value(path)
+        return "this is infinite, or a number above 1e308", leave_out(path)
     return None
 
 
@@ -105,7 +106,7 @@ def _endless(end: object) -> bool:
     return (isinstance(end, float) and isinf(end)) or (isinstance(end, str) and end.lstrip("+-") in ENDLESS)
 
 
-def no_value(path: Path) -> str:
+def leave_out(path: Path) -> str:
     """The remedy where nothing should be given: the key is left out."""
     key = str(path[-1]) if path[-1] != "value" else str(path[-2])
     if path[0] == "time" and path[-2:-1] in (("initial",), ("final",)) and key in ("lower", "upper"):
@@ -113,6 +114,17 @@ def no_value(path: Path) -> str:
     if path[0] == "time":
         return f"a free time has a range and a guess: write {key}: {{lower: 0.1, upper: 10, guess: 1}}"
     return f"leave {key}: out" + (" for no bound" if key in ("lower", "upper") else ", for what is not given is free")
+
+
+def _table(path: Path, given: Any) -> Words | None:
+    """A table that is the name of its file, and points without that of their argument."""
+    match path:
+        case ("tables", name) if isinstance(given, str) and _CSV.fullmatch(given):
+            return "the columns of a CSV file are a table by a key of it", f"write {name}: {{file: {given}}}"
+        case ("tables", _, "points") if isinstance(given, list) and given:
+            line = entry("points", {"x": given})
+            return "points are of an argument, by its name", f"write {line}, with its name for x"
+    return None
 
 
 def _section(path: Path, given: Any) -> Words | None:
@@ -202,7 +214,7 @@ def _text(path: Path, given: str) -> Words | None:
     """A text where a number or an expression is meant."""
     text, key = given.strip(), str(path[-1])
     if key in ("rate", "accel") and (assigned := _ASSIGNED.fullmatch(text)):
-        return f"the {key} is what stands to the right of =", f"write {entry(key, plain(assigned[1]))}"
+        return f"the {key} is what stands to the right of =", f"write {entry(key, plain_value(assigned[1]))}"
     if key in ("rate", "accel", "expression", "integral", "terminal"):
         return None
     quantity = _QUANTITY.fullmatch(text)

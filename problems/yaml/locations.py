@@ -60,9 +60,8 @@ class Locations:
         longer = [own._replace(path=_of(self.short, own.path)) for own in findings]
         paths = [(finding, _of(self.made, finding.path)) for finding in self.in_words(longer)]
         written = [own._replace(path=path) for own, path in paths if first.setdefault(path, own.path) == own.path]
-        ordered = self._of_loops(
-            sorted(dict.fromkeys(self.of_templates(written)), key=lambda finding: self._line(finding.path))
-        )
+        once = {(own.path, own.what): own for own in reversed([*self.of_templates(written)])}
+        ordered = self._of_loops(sorted(reversed(once.values()), key=lambda finding: self._line(finding.path)))
         located = [
             Mistake(self._where(f.path, f.what, f.kind), f.what, self._remedy(f)) for f in ordered[:MAX_FINDINGS]
         ]

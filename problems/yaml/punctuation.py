@@ -63,7 +63,7 @@ def comma_in_number(key: str, whole: str, digits: str) -> tuple[str, str]:
     return "there is no comma in a number", f"write {key}: {whole}{digits}, or {whole}.{digits} if it is a point"
 
 
-def range_of(text: str) -> tuple[str, str] | None:
+def ends_of_range(text: str) -> tuple[str, str] | None:
     """The two ends of a range in parentheses or brackets: (0, 1).
 
     text: that may be one.
@@ -97,7 +97,7 @@ def _joined(key: str, value: str, parts: Sequence[str]) -> tuple[Slip, int] | No
             break
         text = f"{text}, {part}"
         if _depth(text) == 0:
-            if key in ("initial", "final") and (ends := range_of(text)):
+            if key in ("initial", "final") and (ends := ends_of_range(text)):
                 return Slip("a range is no list", f"write {key}: {{lower: {ends[0]}, upper: {ends[1]}}}", None), used
             what = f'a comma ends a value in braces, so this one ends after "{shorten(value, 40)}"'
             return Slip(what, f'put it in quotes: {key}: "{shorten(text, 120)}"', text), used

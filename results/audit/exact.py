@@ -39,7 +39,7 @@ RANK = 1e-9
 """Of the largest singular value: below it a row depends on others."""
 
 
-def steps(trajectory: Trajectory, allowed: float, tolerance: float) -> Iterator[Check]:
+def step_checks(trajectory: Trajectory, allowed: float, tolerance: float) -> Iterator[Check]:
     """Each step by itself, and all of them one after the other.
 
     trajectory: of a phase in discrete time.

@@ -95,7 +95,12 @@ class Hamiltonian:
         return found
 
     def derivative(self, function: Callable[[dict], Any], values: dict, name: str) -> np.ndarray:
-        """Of a function of the values by one of them, by the complex step."""
+        """The derivative of a function of the values by one of them, by the complex step, shape (M,).
+
+        function: of a dict of arrays (M,).
+        values: name -> array (M,).
+        name: of the one.
+        """
         shifted = {**values, name: values[name] + COMPLEX_STEP * 1j}
         return np.broadcast_to(np.imag(function(shifted)), self.points.shape) / COMPLEX_STEP
 

@@ -13,7 +13,7 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.text import shorten
 from .layout import UNITS
-from .nodes import LayoutError, fits, has, has_attribute, kind_of, names_in, opened, shape_of
+from .nodes import LayoutError, fits, has, has_attribute, member_names, opened_node, shape_of_node, storage_kind
 from .words import TEXT, TEXTS, Array, Attribute, Each, Group, Size
 
 KNOWN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
@@ -24,7 +24,7 @@ ROUNDING = 1e-12  # of the largest time: so much may times be out of order
 
 
 @dataclass
-class Scope:
+class SymbolValues:
     """What sizes and names the symbols stand for, as far as has been seen."""
 
     sizes: dict[str, int] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class Conformance:
         self.size = size
         self.plain = self.compressed = 0  # bytes that its arrays take in memory
 
-    def group(self, node: h5py.h5g.GroupID, layout: Group, scope: Scope, where: str = "") -> None:
+    def group(self, node: h5py.h5g.GroupID, layout: Group, scope: SymbolValues, where: str = "") -> None:
         """Raise LayoutError if the group is not as the layout says.
 
         node: the open group.
@@ -48,7 +48,7 @@ class Conformance:
         """
         for name, declared in layout.members.items():
             if name == "*":
-                for other in (other for other in names_in(node, where) if other not in layout.members):
+                for other in (other for other in member_names(node, where) if other not in layout.members):
                     self._member(node, other, declared, scope, where)
             elif not _may_lack(node, declared, has) or has(node, name):
                 self._member(node, name, declared, scope, where)
@@ -59,10 +59,10 @@ class Conformance:
                 raise LayoutError(where or "/", f"its attribute {name} is missing")
 
     def _member(
-        self, node: h5py.h5g.GroupID, name: str, declared: Array | Group | Each, scope: Scope, where: str
+        self, node: h5py.h5g.GroupID, name: str, declared: Array | Group | Each, scope: SymbolValues, where: str
     ) -> None:
         where = f"{where}/{name}"
-        child = opened(node, name, where)
+        child = opened_node(node, name, where)
         if isinstance(declared, Array):
             if not isinstance(child, h5py.h5d.DatasetID):
                 raise LayoutError(where, "it is no array")
@@ -75,8 +75,8 @@ class Conformance:
         else:
             self._each(child, declared, scope, where)
 
-    def _each(self, node: h5py.h5g.GroupID, declared: Each, scope: Scope, where: str) -> None:
-        names = names_in(node, where)
+    def _each(self, node: h5py.h5g.GroupID, declared: Each, scope: SymbolValues, where: str) -> None:
+        names = member_names(node, where)
         if declared.numbered and sorted(names) != sorted(map(str, range(len(names)))):
             raise LayoutError(where, f"its members are not named 0 to {len(names) - 1}")
         if len(names) < declared.least:
@@ -84,15 +84,15 @@ class Conformance:
         if declared.names and (names or not declared.or_none):
             _agree(scope, declared.names, names, where)
         for name in names:
-            inner = Scope(dict(scope.sizes), dict(scope.names)) if declared.own else scope
+            inner = SymbolValues(dict(scope.sizes), dict(scope.names)) if declared.own else scope
             self._member(node, name, declared.member, inner, where)
 
-    def _array(self, node: h5py.h5d.DatasetID, declared: Array, scope: Scope, where: str) -> None:
+    def _array(self, node: h5py.h5d.DatasetID, declared: Array, scope: SymbolValues, where: str) -> None:
         type_ = node.get_type()
-        kind = kind_of(type_)
+        kind = storage_kind(type_)
         if not fits(kind, declared.kind):
             raise LayoutError(where, f"it holds {kind or 'what trajopt does not know'}, where {declared.kind} is meant")
-        shape = shape_of(node, where)
+        shape = shape_of_node(node, where)
         if len(shape) != len(declared.sizes):
             raise LayoutError(where, f"it has {len(shape)} axes, not {len(declared.sizes)}")
         for n, size in zip(shape, declared.sizes, strict=True):
@@ -130,12 +130,17 @@ class Conformance:
             )
 
     def _attribute(
-        self, node: h5py.h5g.GroupID | h5py.h5d.DatasetID, name: str, declared: Attribute, scope: Scope, where: str
+        self,
+        node: h5py.h5g.GroupID | h5py.h5d.DatasetID,
+        name: str,
+        declared: Attribute,
+        scope: SymbolValues,
+        where: str,
     ) -> None:
         where = f"{where}, attribute {name}"
         told = h5py.h5a.open(node, name.encode())
         type_ = told.get_type()
-        kind, shape = kind_of(type_), shape_of(told, where)
+        kind, shape = storage_kind(type_), shape_of_node(told, where)
         if not fits(kind, declared.kind):
             raise LayoutError(where, f"it holds {kind or 'what trajopt does not know'}, where {declared.kind} is meant")
         if len(shape) != (declared.kind == TEXTS) or math.prod(shape) > self.size:
@@ -146,7 +151,7 @@ class Conformance:
             _check_attribute(values, declared, scope, where)
 
 
-def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, where: str) -> None:
+def _check_attribute(values: np.ndarray, declared: Attribute, scope: SymbolValues, where: str) -> None:
     value: Any = values[()]
     if declared.one_of:
         word = (value or b"").decode(errors="replace")
@@ -161,7 +166,7 @@ def _check_attribute(values: np.ndarray, declared: Attribute, scope: Scope, wher
         _bind(scope, declared.size, int(value), where)
 
 
-def _check_texts(array: h5py.Dataset, declared: Array, scope: Scope, where: str) -> None:
+def _check_texts(array: h5py.Dataset, declared: Array, scope: SymbolValues, where: str) -> None:
     try:
         texts = [text.decode() for text in np.atleast_1d(array[()])]
     except UnicodeDecodeError as error:
@@ -192,7 +197,7 @@ def _check_values(array: h5py.Dataset, declared: Array, where: str) -> None:
         raise LayoutError(where, "its values are not in order")
 
 
-def _agree(scope: Scope, symbol: str, names: list[str], where: str) -> None:
+def _agree(scope: SymbolValues, symbol: str, names: list[str], where: str) -> None:
     """The names are those of the symbol, which has its size, too."""
     known = scope.names.setdefault(symbol, set(names))
     if odd := sorted(known ^ set(names)):
@@ -201,7 +206,7 @@ def _agree(scope: Scope, symbol: str, names: list[str], where: str) -> None:
     scope.sizes.setdefault(symbol, len(names))
 
 
-def _bind(scope: Scope, size: Size, n: int, where: str) -> None:
+def _bind(scope: SymbolValues, size: Size, n: int, where: str) -> None:
     """An axis, or what repeats its size, has n values."""
     own = n - size.plus
     symbol = size.symbol

@@ -47,7 +47,7 @@ def endless(content: mmap.mmap | bytes) -> bool:
     return False
 
 
-def opened(node: h5py.h5g.GroupID, name: str, where: str) -> Any:
+def opened_node(node: h5py.h5g.GroupID, name: str, where: str) -> Any:
     """The group or array under a name of a group.
 
     node: the open group.
@@ -64,7 +64,7 @@ def opened(node: h5py.h5g.GroupID, name: str, where: str) -> Any:
     return h5py.h5o.open(node, spelt)
 
 
-def names_in(node: h5py.h5g.GroupID, where: str) -> list[str]:
+def member_names(node: h5py.h5g.GroupID, where: str) -> list[str]:
     """The names of all members, in the order of their making. Raises LayoutError for what is no name."""
     names = [name.decode(errors="surrogateescape") for name in node]
     if odd := next((name for name in names if not name.isprintable() or name.startswith(".")), None):
@@ -82,7 +82,7 @@ def has_attribute(node: h5py.h5g.GroupID, name: str) -> bool:
     return bool(h5py.h5a.exists(node, name.encode()))
 
 
-def kind_of(type_: h5py.h5t.TypeID) -> str:
+def storage_kind(type_: h5py.h5t.TypeID) -> str:
     """What values of an HDF5 type are; "" for what no result has."""
     if type_ == h5py.h5t.IEEE_F64LE:
         return NUMBER
@@ -104,7 +104,7 @@ def fits(kind: str, declared: str) -> bool:
     return kind == declared or kind in also.get(declared, ())
 
 
-def shape_of(node: h5py.h5d.DatasetID | h5py.h5a.AttrID, where: str) -> tuple[int, ...]:
+def shape_of_node(node: h5py.h5d.DatasetID | h5py.h5a.AttrID, where: str) -> tuple[int, ...]:
     """The shape of an array or an attribute. Raises LayoutError if it has no value at all."""
     space = node.get_space()
     if space.get_simple_extent_type() == h5py.h5s.NULL:

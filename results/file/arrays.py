@@ -124,7 +124,7 @@ def accuracy_of(file: h5py.File) -> str:
     return inaccurate(int(solver["unmet_count"]), solver["stopped"], last["relative_error"])
 
 
-def meshes_of(group: h5py.Group) -> list[h5py.Group]:
+def stored_meshes(group: h5py.Group) -> list[h5py.Group]:
     """The groups that hold the mesh of each phase: of one phase, the group /mesh/<k> itself."""
     return list(group["phase"].values()) if "phase" in group else [group]
 

@@ -18,7 +18,7 @@ from ...problems.catalog import shipped
 from ...problems.errors import FileError, Mistake, SpecError
 from ...problems.files import reason_of
 from ...problems.text import shorten
-from ..declared.conform import Conformance, Scope
+from ..declared.conform import Conformance, SymbolValues
 from ..declared.layout import HEAD, RESULT, VERSION
 from ..declared.nodes import LayoutError, endless
 from ..declared.words import Group
@@ -68,7 +68,7 @@ def hdf5_version() -> str:
     return str(h5py.version.hdf5_version)
 
 
-def head_of(path: Path) -> dict[str, Any]:
+def head_of_file(path: Path) -> dict[str, Any]:
     """Whose result a file is, "problem", and whether it is a solution, "solved"; nothing if it is no result."""
     try:
         with open_result(path, HEAD) as file:
@@ -149,7 +149,7 @@ def _check(file: h5py.File, path: Path, size: int, layout: Group) -> None:
     """Raise FileError if it is no result, one of a newer version, or not as the layout says."""
     try:
         _check_format(file, path, size)
-        Conformance(size).group(file.id, layout, Scope())
+        Conformance(size).group(file.id, layout, SymbolValues())
         if layout is RESULT:
             _check_meshes(file)
     except LayoutError as error:
@@ -174,7 +174,7 @@ def _check_format(file: h5py.File, path: Path, size: int) -> None:
         known = False
     if not known:
         raise FileError(Mistake(str(path), "it is no trajopt result", "give a file written by 'trajopt solve'"))
-    Conformance(size).group(file.id, VERSION, Scope())
+    Conformance(size).group(file.id, VERSION, SymbolValues())
     version = int(file.attrs["format_version"])
     if version > FORMAT_VERSION:
         what = f"it has format version {version}, this trajopt reads up to {FORMAT_VERSION}"

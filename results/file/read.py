@@ -14,7 +14,7 @@ from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
 from ...problems.text import printable, short_repr
 from ..declared.layout import SOLVER
-from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
+from .arrays import NO_BAR_YET, accuracy_of, bar_of, stored_meshes, unit_of
 from .door import open_result, stored_problem
 from .summary import DISCRETE
 
@@ -207,7 +207,7 @@ def read(path: Path) -> Result:
 
 def _methods(file: h5py.File) -> list[str]:
     """The method of each phase on the last mesh."""
-    return [str(own.attrs["method"]) for own in meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])]
+    return [str(own.attrs["method"]) for own in stored_meshes(file["mesh"][str(len(file["mesh"]) - 1)])]
 
 
 def _phase(name: str, group: h5py.Group, method: str) -> PhaseCurves:
@@ -242,8 +242,8 @@ def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset
 def _stored_mesh(group: h5py.Group) -> StoredMesh:
     a = group.attrs
     return StoredMesh(
-        method=", ".join(dict.fromkeys(printable(own.attrs["method"]) for own in meshes_of(group))),
-        edges=tuple(own["edges"][:] for own in meshes_of(group)),
+        method=", ".join(dict.fromkeys(printable(own.attrs["method"]) for own in stored_meshes(group))),
+        edges=tuple(own["edges"][:] for own in stored_meshes(group)),
         unknowns=int(a["unknowns"]),
         objective=float(a["objective"]),
         objective_error=bar_of(a)["objective_error"],

@@ -25,7 +25,7 @@ from ...transcription.solution.solution import MeshRecord
 from ...transcription.solution.trajectory import Trajectory, trajectories
 from ...transcription.starts.settled import has_moving
 from ...transcription.transcribe import compiled, transcribe, with_costates
-from .arrays import bar_of, meshes_of
+from .arrays import bar_of, stored_meshes
 from .door import DAMAGED, open_result, stored_problem
 
 
@@ -67,7 +67,7 @@ def _record(group: h5py.Group) -> MeshRecord:
     told, prefix = group.attrs, "seconds_"
     parts = {key.removeprefix(prefix): float(value) for key, value in told.items() if key.startswith(prefix)}
     return MeshRecord(
-        grids=tuple(map(_mesh, meshes_of(group))),
+        grids=tuple(map(_mesh, stored_meshes(group))),
         status=Status[told["status"].upper()],
         tolerance=float(told["tolerance"]),
         objective=float(told["objective"]),

@@ -13,8 +13,9 @@ import numpy as np
 from ...problems.errors import FileError, Mistake
 from ...problems.quantities import LARGEST_NUMBER
 from ..declared.layout import MESH
-from .arrays import NO_BAR_YET, accuracy_of, bar_of, meshes_of, unit_of
+from .arrays import NO_BAR_YET, accuracy_of, bar_of, stored_meshes, unit_of
 from .door import DAMAGED, open_result, stored_problem
+from .json_values import for_json
 
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
 """Why there are no sensitivities in a result that has no place for them."""
@@ -36,7 +37,7 @@ def summarize(path: Path) -> dict[str, Any]:
     Raises FileError if the file cannot be read or is no result of trajopt.
     """
     with open_result(path) as file:
-        return plain(_summary(path, file))
+        return for_json(_summary(path, file))
 
 
 def causes(trouble: str, violations: Sequence[object], involved: Sequence[str] = ()) -> list[str]:
@@ -110,7 +111,8 @@ def _value(text: str) -> Any:
 def _attributes(mesh: h5py.Group) -> dict[str, Any]:
     plain = {key: value for key, value in mesh.attrs.items() if key in MESH.attributes}
     seconds = {key.removeprefix("seconds_"): v for key, v in mesh.attrs.items() if key.startswith("seconds_")}
-    return {**plain, **bar_of(mesh.attrs), "seconds": seconds}
+    methods = ", ".join(dict.fromkeys(own.attrs["method"] for own in stored_meshes(mesh)))  # one for each phase
+    return {**plain, "method": methods, **bar_of(mesh.attrs), "seconds": seconds}
 
 
 def _reference(file: h5py.File) -> dict[str, Any] | None:
@@ -198,7 +200,7 @@ def _effect(own: dict[str, Any]) -> float:
 
 def _phases(file: h5py.File) -> dict[str, Any]:
     """The phases by name, with method and number of segments of the last mesh."""
-    last = meshes_of(file["mesh"][str(len(file["mesh"]) - 1)])
+    last = stored_meshes(file["mesh"][str(len(file["mesh"]) - 1)])
     return {
         name: {
             "method": mesh.attrs["method"],
@@ -288,16 +290,3 @@ def _curve(dataset: h5py.Dataset) -> dict[str, Any]:
         "max": np.fmax.reduce(values),
         "unit": unit_of(dataset),
     }
-
-
-def plain(value: Any) -> Any:
-    """The same without NumPy's types, and None for numbers that are not finite: what JSON can hold."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value

@@ -61,7 +61,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from importlib.metadata import version
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
@@ -72,8 +71,9 @@ import numpy as np
 
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_not_protected, check_writable, write_whole
+from ...problems.lean.versions import version
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
-from .door import FORMAT, FORMAT_VERSION, head_of
+from .door import FORMAT, FORMAT_VERSION, head_of_file
 from .write_measured import write_estimates, write_measured, write_sensitivities
 from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
 
@@ -96,7 +96,7 @@ def check_target(path: Path, problem: str, force: bool = False) -> None:
     check_writable(path)
     if not force:
         check_not_protected(path)
-    if path.exists() and not force and (owner := head_of(path).get("problem")) != problem:
+    if path.exists() and not force and (owner := head_of_file(path).get("problem")) != problem:
         what = f"it is a result of another problem, '{owner}'" if owner else "it exists and is no trajopt result"
         raise FileError(Mistake(str(path), what, "choose another file with -o, or replace it with --force"))
 
@@ -111,11 +111,13 @@ def place_for(path: Path, problem: str, solved: bool) -> Path:
     Only a solution replaces a solution. What is none goes to NAME-unsolved.h5, in place of an earlier one like it;
     if something else is there, to NAME-unsolved-2.h5 and so on.
     """
-    if solved or not head_of(path).get("solved"):
+    if solved or not head_of_file(path).get("solved"):
         return path
     names = (path.with_stem(f"{path.stem}-unsolved" + (f"-{n}" if n > 1 else "")) for n in count(1))
     return next(
-        beside for beside in names if not beside.exists() or head_of(beside) == {"problem": problem, "solved": False}
+        beside
+        for beside in names
+        if not beside.exists() or head_of_file(beside) == {"problem": problem, "solved": False}
     )
 
 

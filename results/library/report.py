@@ -16,12 +16,12 @@ from ...problems.errors import FileError, Mistake
 from ..reproduction.folder import INDEX, RESULTS, claim, write_text
 from .baseline import FILE, baseline, baseline_text, renewed
 from .rows import Row
-from .table import MADE_BY, as_json, html, markdown
+from .table import MADE_BY, as_json, library_html, markdown
 
 PAGE, TABLE = "library.md", "library.json"
 
 
-def prepare(folder: Path) -> Path:
+def prepare_page(folder: Path) -> Path:
     """Make the folder, or make sure that it and what will be replaced in it is ours; gives where results go.
 
     Raises FileError.
@@ -31,11 +31,11 @@ def prepare(folder: Path) -> Path:
         if path.exists() and not (path.is_file() and MADE_BY in path.read_text(encoding="utf-8", errors="replace")):
             what = f"it exists and was not made by '{MADE_BY}'"
             raise FileError(Mistake(str(path), what, "move it, or choose another folder with -o"))
-    write_text(folder / INDEX, html([]))
+    write_text(folder / INDEX, library_html([]))
     return folder / RESULTS
 
 
-def report(folder: Path, rows: Sequence[Row], regressions: Sequence[str] | None) -> None:
+def report_library(folder: Path, rows: Sequence[Row], regressions: Sequence[str] | None) -> None:
     """Write all tables.
 
     folder: that was prepared.
@@ -48,4 +48,4 @@ def report(folder: Path, rows: Sequence[Row], regressions: Sequence[str] | None)
     write_text(folder / PAGE, markdown(whole))
     write_text(folder / FILE, baseline_text(whole))
     write_text(folder / TABLE, as_json(rows, regressions))
-    write_text(folder / INDEX, html(rows, regressions))
+    write_text(folder / INDEX, library_html(rows, regressions))

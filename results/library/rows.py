@@ -33,8 +33,8 @@ COMPLETE, FINE, EXCLUDED, SHORT = "all", "all, finer", "reference is off", "shor
 its mesh or its rounding limits; or they do not."""
 
 SLOW = frozenset({
-    *("coulomb_friction", "free_flying_robot", "goddard", "goddard_speed_limit", "hang_glider", "min_time_climb"),
-    *("quadrotor", "reorientation", "delta_iii"),
+    *("bouncing_pendulum", "coulomb_friction", "delta_iii", "fed_batch_inducer", "free_flying_robot", "goddard"),
+    *("goddard_speed_limit", "hang_glider", "min_time_climb", "quadrotor", "reorientation"),
 })  # fmt: skip
 """Shipped problems that take more than some 3 s."""
 

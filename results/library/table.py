@@ -100,7 +100,7 @@ def markdown(rows: Sequence[Row]) -> str:
     return f"{head}\n{table}\n{FIRST_TRIES.read_text('utf-8')}"
 
 
-def html(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:
+def library_html(rows: Sequence[Row], regressions: Sequence[str] | None = None) -> str:
     """A page that needs nothing else; one that says so as long as there are no rows.
 
     rows: of the table.

@@ -34,7 +34,7 @@ from .style import (
     labelled,
     look,
     mark,
-    plain,
+    plain_label,
 )
 
 SHOWN = ("state", "control", "algebraic")
@@ -227,9 +227,9 @@ def _canvas(stage: Scene, title: str) -> tuple[Figure, Axes]:
     width, height = np.maximum(sides * (LARGEST / sides).min(), SMALLEST)
     figure, grid = Frame(top=0.65, bottom=0.6).figure([float(height)], 1, float(width))
     letters = int(figure.get_figwidth() / (1.15 * LETTER))
-    lines = [plain(title, letters)]
+    lines = [plain_label(title, letters)]
     if not stage.result.solved:
-        lines.append(plain(f"NOT SOLVED: {stage.result.message}", letters))
+        lines.append(plain_label(f"NOT SOLVED: {stage.result.message}", letters))
     head(figure, lines, BLACK if stage.result.solved else VERMILION)
     return figure, figure.add_subplot(grid[0, 0])
 
@@ -269,7 +269,7 @@ def animate(result: Result, path: Path, frames: int, fps: int) -> None:
 def _film(stage: Scene, figure: Figure, ax: Axes, frames: int) -> Iterator[Image.Image]:
     """The pictures one after the other; the axes are drawn once, and over them what moves."""
     canvas: Any = FigureCanvasAgg(figure)
-    unit = plain(stage.result.phases[0].time_unit, 20)
+    unit = plain_label(stage.result.phases[0].time_unit, 20)
     _set_view(ax, stage.box)
     canvas.draw()
     background = canvas.copy_from_bbox(figure.bbox)

@@ -32,7 +32,7 @@ from .style import (
     labelled,
     legend,
     look,
-    plain,
+    plain_label,
     set_title,
     width_of,
 )
@@ -50,7 +50,7 @@ def _style(number: int) -> dict[str, Any]:
 def _named(results: Sequence[Result]) -> list[str]:
     """What the legend calls each result: its file, with the folder where two have one name."""
     names = [result.path.stem for result in results]
-    return [plain(n if names.count(n) == 1 else str(r.path), 40) for n, r in zip(names, results, strict=True)]
+    return [plain_label(n if names.count(n) == 1 else str(r.path), 40) for n, r in zip(names, results, strict=True)]
 
 
 def overlay_figure(
@@ -143,15 +143,15 @@ def _draw_bounds(
 def _finish(figure: Figure, results: Sequence[Result], what: str) -> None:
     letters = int(figure.get_figwidth() / (1.15 * LETTER))
     problems = list(dict.fromkeys(result.problem for result in results))
-    lines = [plain(f"{', '.join(problems)}: {what}", letters)]
+    lines = [plain_label(f"{', '.join(problems)}: {what}", letters)]
     bad = [name for name, result in zip(_named(results), results, strict=True) if result.verdict != "solved"]
     if bad:
-        lines.append(plain("not solved, or tolerance missed: " + ", ".join(bad), letters))
+        lines.append(plain_label("not solved, or tolerance missed: " + ", ".join(bad), letters))
     head(figure, lines, BLACK if not bad else VERMILION)
     legend(figure, [*dict.fromkeys(_named(results)), "knot", "bound", "violated bound", "beginning", "obstacle"])
 
 
-def plane_figure(results: Sequence[Result], across: str, upwards: str) -> Figure:
+def path_in_plane(results: Sequence[Result], across: str, upwards: str) -> Figure:
     """One quantity against another, of one result or of several, with the obstacles of the drawing.
 
     results: the obstacles are those of the first.

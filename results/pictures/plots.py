@@ -31,7 +31,7 @@ from .style import (
     labelled,
     legend,
     look,
-    plain,
+    plain_label,
     set_title,
     width_of,
 )
@@ -149,7 +149,7 @@ def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> No
         if 2 * half <= last - first + NEAR * duration and free:
             rows[free[0]] = (first + last) / 2 + half
             style: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 5.5, "color": GREY}
-            ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain(phase.name), transform=across, **style)
+            ax.text((first + last) / 2, 1.0 - NAME_ROW * free[0], plain_label(phase.name), transform=across, **style)
 
 
 def trajectory_figure(
@@ -250,12 +250,12 @@ def finish(figure: Figure, result: Result, *notes: str) -> None:
     status = result.verdict if result.solved else f"NOT SOLVED: {result.message}"
     letters, exact = int(figure.get_figwidth() / (1.15 * LETTER)), all(phase.discrete for phase in result.phases)
     lines = [
-        plain(f"{result.problem}: {status}", letters),
-        plain(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
-        plain(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
+        plain_label(f"{result.problem}: {status}", letters),
+        plain_label(f"objective {result.objective:.8g}" + ("" if exact else f", max η {mesh.max_eta:.2g}"), letters),
+        plain_label(f"{mesh.segments} steps" if exact else f"{mesh.method}, {mesh.segments} segments", letters),
     ]
     if result.static:  # no time, no mesh
-        lines[1:] = [plain(f"objective {result.objective:.8g}", letters), ""]
+        lines[1:] = [plain_label(f"objective {result.objective:.8g}", letters), ""]
     if len(lines[1]) + len(lines[2]) + 2 <= letters:
         lines[1:] = ["; ".join(filter(None, lines[1:]))]
     head(figure, [*lines, *notes], BLACK if result.verdict == "solved" else VERMILION)

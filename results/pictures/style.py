@@ -7,7 +7,6 @@ carry the same differences in grey print.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from matplotlib.ticker import Formatter
 
 from ...problems.files import check_ours, check_suffix, replacing
 from ...problems.lean.records import dataclass
+from ...problems.lean.versions import version
 from ...problems.text import shorten
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -106,7 +106,7 @@ def look() -> Any:
     return matplotlib.rc_context(LOOK)
 
 
-def plain(text: str, limit: int = 80) -> str:
+def plain_label(text: str, limit: int = 80) -> str:
     """A text of the user's as a label: one line, not too long, and no mathematics for Matplotlib to parse."""
     return shorten(" ".join(str(text).split()), limit).replace("$", r"\$")
 
@@ -119,10 +119,10 @@ def labelled(name: str, unit: str, width: float = 100.0) -> str:
     width: inches; a label that is wider stands on two lines.
     """
     if unit in ("", "1"):
-        return plain(name, 50)
-    unit = plain(unit.replace("/s/s", "/s²").replace("^2", "²").replace("^3", "³").replace("*", "·"), 30)
-    label = f"{plain(name, 50)} [{unit}]"
-    return label if len(label) * LETTER <= width else f"{plain(name, 50)}\n[{unit}]"
+        return plain_label(name, 50)
+    unit = plain_label(unit.replace("/s/s", "/s²").replace("^2", "²").replace("^3", "³").replace("*", "·"), 30)
+    label = f"{plain_label(name, 50)} [{unit}]"
+    return label if len(label) * LETTER <= width else f"{plain_label(name, 50)}\n[{unit}]"
 
 
 def width_of(ax: Axes) -> float:
@@ -168,7 +168,12 @@ class Frame:
     down: float = 0.45
 
     def figure(self, rows: Sequence[float], columns: int, width: float) -> tuple[Figure, GridSpec]:
-        """A figure of panels, each `width` inches wide, rows of the given heights, and its grid."""
+        """A figure of panels, and its grid.
+
+        rows: height of each row, inches.
+        columns: the number of columns.
+        width: of each panel, inches.
+        """
         count = len(rows)
         inner = (columns * width + (columns - 1) * self.across, sum(rows) + (count - 1) * self.down)
         W, H = inner[0] + self.left + self.right, inner[1] + self.top + self.bottom
@@ -229,7 +234,7 @@ def drawn_by_us(path: Path) -> bool:
     return content.startswith(start) and software in content
 
 
-def save(figures: Sequence[Figure], path: Path, title: str) -> None:
+def save_figure(figures: Sequence[Figure], path: Path, title: str) -> None:
     """Write figures to a .pdf, one a page, or one figure to a .png or a .svg.
 
     figures: in the order of the pages; exactly one for a .png or a .svg.

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...problems.phases.split import Part
+from ...problems.phases.split import PhasePart
 from ...transcription.arcs import CONTROL, HELD, INSIDE, STATE, UPPER, Arc, Course
 from ...transcription.solution.trajectory import Trajectory
 
@@ -16,7 +16,7 @@ NEAR = 2e-3
 """Of the duration: switches nearer to each other than this are one."""
 
 
-def parts_of(courses: Sequence[Course], trajectory: Trajectory) -> list[Part]:
+def parts_of(courses: Sequence[Course], trajectory: Trajectory) -> list[PhasePart]:
     """The parts of a phase, one after the other.
 
     courses: of the phase.
@@ -33,7 +33,7 @@ def parts_of(courses: Sequence[Course], trajectory: Trajectory) -> list[Part]:
     return merged(_freed_beside([_part(courses, trajectory, (a + b) / 2, b) for a, b in pairwise([start, *ends])]))
 
 
-def _part(courses: Sequence[Course], trajectory: Trajectory, t: float, end: float) -> Part:
+def _part(courses: Sequence[Course], trajectory: Trajectory, t: float, end: float) -> PhasePart:
     """The part that has a time t, and ends at another.
 
     A constraint that is active is held by a control that is free; a state beside controls that are all on their bounds
@@ -52,10 +52,10 @@ def _part(courses: Sequence[Course], trajectory: Trajectory, t: float, end: floa
     named += [name for name in active if name not in named][:unnamed]
     held = {name: arc.on for name, (_, arc) in active.items() if name in named}
     freed = {name: (arc.on, _beyond(course, arc)) for name, (course, arc) in active.items() if not free}
-    return Part(end, fixed, held, {name: own for name, own in freed.items() if active[name][0].kind == STATE})
+    return PhasePart(end, fixed, held, {name: own for name, own in freed.items() if active[name][0].kind == STATE})
 
 
-def _freed_beside(parts: Sequence[Part]) -> list[Part]:
+def _freed_beside(parts: Sequence[PhasePart]) -> list[PhasePart]:
     """Parts in which the states that a neighbour frees are free, too: where they meet, they are still on the bound."""
     found = []
     for part, others in zip(parts, zip([None, *parts[:-1]], [*parts[1:], None], strict=True), strict=True):
@@ -70,9 +70,9 @@ def _beyond(course: Course, arc: Arc) -> float:
     return bound + (1 + abs(bound)) * (1 if arc.on == UPPER else -1)
 
 
-def merged(parts: Sequence[Part]) -> list[Part]:
+def merged(parts: Sequence[PhasePart]) -> list[PhasePart]:
     """Parts without switches between two that are alike, where nothing is left to jump."""
-    kept: list[Part] = []
+    kept: list[PhasePart] = []
     for part in parts:
         if kept and part.fixed and replace(kept[-1], end=part.end) == part:
             kept[-1] = part

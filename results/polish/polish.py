@@ -22,7 +22,7 @@ from ...problems.errors import SpecError
 from ...problems.files import write_whole
 from ...problems.lean.records import dataclass
 from ...problems.nonsmooth.written import with_slack
-from ...problems.phases.split import Part, has_slack, why_not
+from ...problems.phases.split import PhasePart, has_slack, why_not
 from ...problems.phases.split_each import split
 from ...problems.problem import Guess, Problem
 from ...problems.schema.spec import Spec
@@ -52,7 +52,7 @@ COLLAPSED = 1e-6  # of the duration: a phase that is shorter is none
 ROUNDS = 3  # of leaving such phases out
 ROUNDING = 1e-9  # of 1 + |objective|: what is worth less, is nothing
 
-Parts = Sequence[Sequence[Part]]
+Parts = Sequence[Sequence[PhasePart]]
 """Those of each phase, in order."""
 
 Progress = Callable[[int, dict], None] | None
@@ -138,7 +138,7 @@ def _in_phases(first: Polished, parts: Parts, progress: Progress, stop: Stop) ->
     return "its arcs shrink to nothing"
 
 
-def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[Part]]:
+def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[PhasePart]]:
     """The parts of each phase that have not shrunk to nothing; of several the last one, if all have."""
     found, trajectories = [], iter(new.solution.trajectories)
     for whole, own in zip(first.solution.trajectories, parts, strict=True):
@@ -149,7 +149,7 @@ def _lasting(first: Polished, new: Polished, parts: Parts) -> list[list[Part]]:
     return found
 
 
-def _pieces(solution: Solution, parts: Parts) -> Iterator[tuple[int, Part, float, float]]:
+def _pieces(solution: Solution, parts: Parts) -> Iterator[tuple[int, PhasePart, float, float]]:
     """The number of the phase, the part, and from when to when it is in a solution, of all parts in order."""
     for number, (whole, own) in enumerate(zip(solution.trajectories, parts, strict=True)):
         starts = [whole.initial_time, *(part.end for part in own)]

@@ -96,7 +96,7 @@ def convergence(result: Result) -> list[Chart]:
     told = result.iterations
     if not len(told.get("iteration", ())):
         return []
-    number = numbers_of(np.arange(len(told["iteration"])))
+    number = rounded_numbers(np.arange(len(told["iteration"])))
     shown = {
         "infeasibility and barrier": ("primal_infeasibility", "dual_infeasibility", "mu"),
         "objective": ("objective",),
@@ -106,7 +106,7 @@ def convergence(result: Result) -> list[Chart]:
     charts = []
     for title, names in shown.items():
         series = [
-            _series(name.replace("_", " "), "line", f"line{i}", numbers_of(told[name]))
+            _series(name.replace("_", " "), "line", f"line{i}", rounded_numbers(told[name]))
             for i, name in enumerate(names)
             if name in told
         ]
@@ -116,7 +116,7 @@ def convergence(result: Result) -> list[Chart]:
     return charts
 
 
-def numbers_of(values: Iterable[float | None]) -> list[float | None]:
+def rounded_numbers(values: Iterable[float | None]) -> list[float | None]:
     """Numbers of some digits; None for what is not finite."""
     return [float(f"{v:.{DIGITS}g}") if v is not None and isfinite(v) else None for v in values]
 
@@ -181,7 +181,7 @@ def _joined(parts: Sequence[np.ndarray], gap: bool) -> list[float | None]:
     for part in parts:
         if joined:
             joined.append(None if gap else joined[-1])
-        joined += numbers_of(part)
+        joined += rounded_numbers(part)
     return joined
 
 
@@ -199,7 +199,7 @@ def _bounds(phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds)
 def _marks(phases: Sequence[PhaseCurves]) -> list[float | None]:
     """The segments' edges, if they can be told apart."""
     knots = np.concatenate([phase.knots for phase in phases])
-    return numbers_of(knots) if len(knots) <= POINTS else []
+    return rounded_numbers(knots) if len(knots) <= POINTS else []
 
 
 def _edges(phases: Sequence[PhaseCurves]) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from ...problems.phases.merge import phase_specs
 from ...problems.problem import Problem
 from ...problems.schema.declarations import Parameter
 from ...problems.schema.spec import Spec
-from ...transcription.export.equations import Group, equations
+from ...transcription.export.equations import EquationGroup, equations
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -42,7 +42,7 @@ class Fixed:
     note: str
 
 
-def shown(spec: Spec, problem: Problem) -> list[Shown]:
+def shown_equations(spec: Spec, problem: Problem) -> list[Shown]:
     """The equations of a problem.
 
     spec: of its file.
@@ -51,7 +51,7 @@ def shown(spec: Spec, problem: Problem) -> list[Shown]:
     return [_shown(group) for group in equations(spec, problem)]
 
 
-def _shown(group: Group) -> Shown:
+def _shown(group: EquationGroup) -> Shown:
     rows = [tuple(map(mathml, e.lines)) if e.lines else (e.words,) for e in group.equations]
     return Shown(group.title, tuple(rows), group.left_out)
 

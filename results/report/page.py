@@ -12,13 +12,13 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ...problems.files import check_ours, check_suffix
+from ...problems.lean.versions import version
 from ...problems.text import escaped
-from ..file.summary import plain
+from ..file.json_values import for_json
 
 HERE = Path(__file__).parent
 MARK = "trajopt report"
@@ -94,7 +94,7 @@ def _templates() -> Any:
         return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
     def data(value: Any) -> Markup:
-        return Markup(json.dumps(_seen(plain(value)), separators=(",", ":"), allow_nan=False).translate(_IN_SCRIPT))
+        return Markup(json.dumps(_seen(for_json(value)), separators=(",", ":"), allow_nan=False).translate(_IN_SCRIPT))
 
     environment = Environment(
         autoescape=True,

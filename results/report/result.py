@@ -56,7 +56,7 @@ def result_page(path: Path, facts: Sequence[tuple[str, str]], checks: Sequence[C
         summary=summary,
         facts=facts,
         checks=checks,
-        equations=mathematics.shown(*stated) if stated else [],
+        equations=mathematics.shown_equations(*stated) if stated else [],
         parameters=mathematics.parameters(stated[0]) if stated else [],
         why_not=why_not,
         variables=_variables(summary),

@@ -20,7 +20,7 @@ from ..sweep.plan import GRID, Plan, stored_plan
 from ..sweep.store import ABOUT, RESULTS, curves_in, records_in, stored_about
 from ..sweep.tables import SCALARS, Record, column, groups, summary_of
 from . import mathematics
-from .charts import numbers_of
+from .charts import rounded_numbers
 from .page import PLOTS, rendered
 
 MOST_CASES = 20_000
@@ -31,6 +31,9 @@ NUMBERS = 400_000
 
 FEWEST = 12
 """Samples of one curve, below which it would be none."""
+
+DIGITS = 4, 7, 10
+"""Of the values of an axis, the fewest that tell all of them apart."""
 
 REASONS = 50
 LONGEST = 400  # letters of a message
@@ -69,7 +72,7 @@ def sweep_page(folder: Path) -> str:
         summary=summary_of(records, range(len(plan)), sense),
         reasons=[(status, message, count) for (status, message), count in failed.most_common(REASONS)],
         left_out=len(records) - len(shown),
-        equations=mathematics.shown(*stated) if stated else [],
+        equations=mathematics.shown_equations(*stated) if stated else [],
         parameters=mathematics.parameters(stated[0]) if stated else [],
         several=stated is not None and len(stated[1].phases) > 1,
         why_not=why_not,
@@ -127,9 +130,19 @@ def _axes(plan: Plan, records: Mapping[int, Record]) -> list[dict[str, Any]]:
         own = [place[axis.values[plan.place(case)[number]]] for case in records]
         plain = [value_of(value, "") for value in distinct]
         numeric = all(isinstance(v, int | float) and not isinstance(v, bool) for v in plain)
-        numbers = numbers_of(plain) if numeric else None
-        axes.append({"path": axis.path, "name": name, "texts": distinct, "numbers": numbers, "of": own})
+        numbers = rounded_numbers(plain) if numeric else None
+        texts = _told(plain, distinct) if numeric else distinct
+        axes.append({"path": axis.path, "name": name, "texts": texts, "numbers": numbers, "of": own})
     return axes
+
+
+def _told(numbers: Sequence[float], exact: list[str]) -> list[str]:
+    """Numbers for a reader, in as few digits as tell them apart; exact: as they were given."""
+    for digits in DIGITS:
+        texts = [f"{number:.{digits}g}" for number in numbers]
+        if len(set(texts)) == len(texts):
+            return texts
+    return exact
 
 
 def _columns(
@@ -161,7 +174,7 @@ def _columns(
 
 
 def _number(name: str, values: Iterable[float | None], unit: str = "", *, main: bool) -> dict[str, Any]:
-    return {"name": name, "unit": unit, "main": main, "numbers": numbers_of(values)}
+    return {"name": name, "unit": unit, "main": main, "numbers": rounded_numbers(values)}
 
 
 def _text(name: str, values: Sequence[str], *, main: bool) -> dict[str, Any]:
@@ -189,8 +202,8 @@ def _curves(folder: Path, records: Mapping[int, Record]) -> dict[str, Any] | Non
         grid = guess.s[kept]
         number = known.setdefault(grid.tobytes(), len(grids))
         if number == len(grids):
-            grids.append(numbers_of(grid))
-        values = {curve: numbers_of(own[kept]) for curve, own in guess.values.items()}
+            grids.append(rounded_numbers(grid))
+        values = {curve: rounded_numbers(own[kept]) for curve, own in guess.values.items()}
         return {"phase": name, "from": guess.initial_time, "to": guess.final_time, "grid": number, "values": values}
 
     cases = [[one(*own) for own in (curves_in(folder, r) or {}).items()] for r in records.values()]

@@ -23,7 +23,7 @@ class PaperCheck:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredEffort:
     """What a solve took, beside what it took in the paper."""
 
     paper: Effort
@@ -44,7 +44,7 @@ class Chapter:
     example: Example
     captions: Mapping[str, str]
     checks: tuple[PaperCheck, ...]
-    efforts: tuple[Measured, ...]
+    efforts: tuple[MeasuredEffort, ...]
     table: Sequence[Sequence[str]]
     unsolved: Mapping[str, str]
 

@@ -6,8 +6,8 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from importlib.metadata import version
 
+from ...problems.lean.versions import version
 from ..installation import processors
 from ..report.page import rendered
 from .chapter import Chapter, PaperCheck
@@ -23,7 +23,7 @@ def machine() -> str:
     return f"{processor}; Python {platform.python_version()}, {versions}"
 
 
-def shown(number: float) -> str:
+def shown_number(number: float) -> str:
     """A number with as many digits as anybody prints; nothing if it is not finite."""
     return f"{number:.9g}" if math.isfinite(number) else ""
 
@@ -54,4 +54,11 @@ def html(chapters: Sequence[Chapter], sizes: Mapping[str, tuple[int, int]] | Non
 
 def _check(check: PaperCheck) -> list[str]:
     verdict = "pass" if check.passed else "FAIL"
-    return [verdict, check.example, check.value.name, check.value.expected, shown(check.number), check.value.source]
+    return [
+        verdict,
+        check.example,
+        check.value.name,
+        check.value.expected,
+        shown_number(check.number),
+        check.value.source,
+    ]

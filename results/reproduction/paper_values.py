@@ -41,7 +41,7 @@ def printed(name: str, digits: str, source: str = INDEPENDENT) -> Value:
     return Value(name, digits, float(digits) - half, float(digits) + half, source)
 
 
-def near(name: str, value: float, tolerance: float, source: str = EXACT) -> Value:
+def near_value(name: str, value: float, tolerance: float, source: str = EXACT) -> Value:
     """A number that is right within a tolerance.
 
     name: of the number in an example's measurements.
@@ -81,9 +81,9 @@ BLOCK = (
     printed("J, trapezoid, 59 segments", "12.013629"),
     printed("u(0), trapezoid, 9 segments", "5.58621"),
     printed("u(0), trapezoid, 29 segments", "5.82007"),
-    near("J, Hermite-Simpson, 1 segment", 12, 1e-7),
-    near("J, Hermite-Simpson, 10 segments", 12, 1e-7),
-    near("J, Hermite-Simpson, 100 segments", 12, 1e-7),
+    near_value("J, Hermite-Simpson, 1 segment", 12, 1e-7),
+    near_value("J, Hermite-Simpson, 10 segments", 12, 1e-7),
+    near_value("J, Hermite-Simpson, 100 segments", 12, 1e-7),
     at_most("largest |x - (3 t^2 - 2 t^3)|", 1e-8, f"{PAPER}, (B.26)"),
     at_most("largest |v - (6 t - 6 t^2)|", 1e-8, f"{PAPER}, (B.27)"),
     at_most("largest |u - (6 - 12 t)|", 1e-7, f"{PAPER}, (B.28)"),
@@ -104,8 +104,8 @@ SPLINES = (
 )
 
 REFINEMENT = (
-    near("least number of subsegments", 1, 0, f"{PAPER}, Figure 7"),
-    near("largest number of subsegments", 4, 0, f"{PAPER}, Figure 7"),
+    near_value("least number of subsegments", 1, 0, f"{PAPER}, Figure 7"),
+    near_value("largest number of subsegments", 4, 0, f"{PAPER}, Figure 7"),
     at_least("largest error before / after", 4, f"{PAPER}, section 5.2"),
 )
 
@@ -138,10 +138,10 @@ CARTPOLE = (
     printed("largest |epsilon| of q2", "2.60e-2"),
     printed("largest eta of q1", "5.08e-4"),
     printed("largest eta of q2", "1.35e-3"),
-    near("largest eta of dq1/dt", 3.96e-3, 2e-5, INDEPENDENT),
-    near("largest eta of dq2/dt", 1.27e-2, 6e-5, INDEPENDENT),
-    near("segment of the largest eta of q1", 11, 0, INDEPENDENT),
-    near("segment of the largest eta of q2", 11, 0, INDEPENDENT),
+    near_value("largest eta of dq1/dt", 3.96e-3, 2e-5, INDEPENDENT),
+    near_value("largest eta of dq2/dt", 1.27e-2, 6e-5, INDEPENDENT),
+    near_value("segment of the largest eta of q1", 11, 0, INDEPENDENT),
+    near_value("segment of the largest eta of q2", 11, 0, INDEPENDENT),
 )
 
 # -- five-link biped: section 7 --------------------------------------------------------------------------------------
@@ -155,7 +155,7 @@ BIPED = (
     printed("J, Hermite-Simpson, 60 segments", "390.79053"),
     printed("J, trapezoid, 24 segments", "393.497"),
     printed("J, trapezoid, 100 segments", "390.96116"),
-    near("J, directly on 25 segments - J on two meshes", 0, 1e-5, f"{PAPER}, section 7.6: similar results"),
+    near_value("J, directly on 25 segments - J on two meshes", 0, 1e-5, f"{PAPER}, section 7.6: similar results"),
     *(printed(f"largest eta of q{i}", digits, _EXPLICIT) for i, digits in enumerate(
         ("3.8e-6", "3.9e-6", "1.2e-6", "1.7e-6", "1.8e-6"), start=1)),
     *(printed(f"q{i}(0)", digits) for i, digits in enumerate(
@@ -181,7 +181,7 @@ BIPED_SUPPLEMENT = (
     *(printed(f"supplement: largest eta of q{i}", digits, _EXPLICIT) for i, digits in enumerate(
         ("9.4e-6", "1.02e-5", "1.8e-6", "2.3e-6", "1.7e-6"), start=1)),
     # The source sampled epsilon 200 times a segment, which misses 0.02 % of its peak: the last digit of q2 is at stake.
-    *(near(f"supplement: largest |epsilon| of q{i}", value, 1e-6, _EXPLICIT) for i, value in enumerate(
+    *(near_value(f"supplement: largest |epsilon| of q{i}", value, 1e-6, _EXPLICIT) for i, value in enumerate(
         (5.18e-4, 5.59e-4, 1.01e-4, 1.27e-4, 9.4e-5), start=1)),
     printed("supplement: largest height of the swing foot", "0.0712"),
 )  # fmt: skip
@@ -208,8 +208,8 @@ _LOSS = 0.27846
 MIN_WORK = (
     *(printed(f"J, {method}, {n} segments", digits) for method, row in _MESHES.items() for n, digits in row.items()),
     printed("J, schedule tanh 5, 1, 0.01, 99 segments", "1.10574"),
-    near("J, slack, 399 segments", WORK, 6e-4, "(u_max t*)^2, (8.5)"),
-    near("J, slack, 799 segments", WORK, 1.5e-4, "(u_max t*)^2, (8.5)"),
+    near_value("J, slack, 399 segments", WORK, 6e-4, "(u_max t*)^2, (8.5)"),
+    near_value("J, slack, 799 segments", WORK, 1.5e-4, "(u_max t*)^2, (8.5)"),
     at_least("order of convergence of J to the exact value", 1.5, f"{PAPER}, section 8.7: converges"),
     *(at_most(f"J, slack - J, tanh {alpha:g}, largest over meshes", _LOSS * alpha, "max of |y| - y tanh(y/alpha)")
       for alpha in (0.01, 1.0, 5.0)),
@@ -217,12 +217,12 @@ MIN_WORK = (
       for alpha in (0.01, 1.0, 5.0)),
     printed("work done, slack", "1.1065"),
     printed("work done, tanh 0.01", "1.1073"),
-    near("work done, tanh 1", 1.1851, 1e-4, INDEPENDENT),  # J is flat there, so tol settles no more digits of it
+    near_value("work done, tanh 1", 1.1851, 1e-4, INDEPENDENT),  # J is flat there, so tol settles no more digits of it
     printed("work done, tanh 5", "1.5154"),
     at_most("largest of x tanh(x) - |x|", 0, f"{PAPER}, section 8.6"),
     at_least("least of sqrt(x^2 + 1) - |x|", 0, f"{PAPER}, section 8.6"),
     printed("largest error of tanh smoothing / alpha", "0.27846", "max of y - y tanh(y)"),
-    near("largest error of square-root smoothing / beta", 1, 1e-12),
+    near_value("largest error of square-root smoothing / beta", 1, 1e-12),
 )  # fmt: skip
 
 # -- pendulum: the introduction, section 6 ---------------------------------------------------------------------------

@@ -23,9 +23,9 @@ from ...transcription.continuation import solve_spec
 from ..file.read import read
 from ..file.summary import summarize
 from ..file.write import check_target, write
-from ..pictures.style import check_picture, look, save
+from ..pictures.style import check_picture, look, save_figure
 from . import LIBRARY, page
-from .chapter import Chapter, Measured, PaperCheck
+from .chapter import Chapter, MeasuredEffort, PaperCheck
 from .figures import biped, block, cartpole, min_work, pendulum, points, refinement, splines
 from .figures.example import Example, Picture, Run, Solutions, SolvedRun
 from .folder import FIGURES, INDEX, RESULTS, claim, write_text
@@ -143,11 +143,11 @@ def _chapter(example: Example, solved: Solutions, unsolved: Mapping[str, str], e
     return Chapter(example, captions, checks, efforts, example.table(solved) if every else (), unsolved)
 
 
-def _efforts(example: Example, solved: Solutions) -> Iterator[Measured]:
+def _efforts(example: Example, solved: Solutions) -> Iterator[MeasuredEffort]:
     for paper in EFFORTS:
         if paper.example == example.name:
             run = solved[paper.run]
-            yield Measured(paper, run.iterations[paper.mesh], run.seconds[paper.mesh])
+            yield MeasuredEffort(paper, run.iterations[paper.mesh], run.seconds[paper.mesh])
 
 
 # -- drawing --------------------------------------------------------------------------------------------------------
@@ -159,7 +159,7 @@ def _draw(example: Example, solved: Solutions, folder: Path, progress: Callable[
         with look():
             figure = picture.draw(solved)
         for suffix in FORMATS:
-            save([figure], _picture_path(folder, picture, suffix), picture.title)
+            save_figure([figure], _picture_path(folder, picture, suffix), picture.title)
         _shrink(_picture_path(folder, picture, ".png"))
 
 

@@ -21,7 +21,7 @@ _WHOLE = re.compile(r"\s*[-+]?\d+\s*")
 
 
 @dataclass(frozen=True)
-class Span:
+class NumberRange:
     """A range of numbers; even in the logarithm if `log`."""
 
     start: float
@@ -41,10 +41,10 @@ class Axis:
 
     path: str
     values: tuple[str, ...]
-    span: Span | None = None
+    span: NumberRange | None = None
 
 
-def parse(text: str, sampled: bool = False) -> Axis:
+def parse_axis(text: str, sampled: bool = False) -> Axis:
     """The axis of "PATH=VALUES". sampled: a range needs no COUNT then. Raises SpecError."""
     path, equals, values = text.partition("=")
     if not equals or not path.strip() or not values.strip():
@@ -87,7 +87,7 @@ def _range(path: str, text: str, where: str, sampled: bool) -> Axis:
     parts = text.split(":")
     log = parts[0].strip() == "log"
     ends, count = parts[log : log + 2], parts[log + 2 :]
-    span = Span(_number(ends[0], where), _number(ends[1], where), log) if len(ends) == 2 else None
+    span = NumberRange(_number(ends[0], where), _number(ends[1], where), log) if len(ends) == 2 else None
     if span is None or len(count) > 1 or (not count and not sampled):
         raise SpecError(Mistake(where, f'"{brief(text)}" is neither a range nor a list', FORMS))
     if log and (span.start <= 0 or span.stop <= 0):

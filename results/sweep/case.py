@@ -24,9 +24,10 @@ from ...problems.text import short_repr
 from ...transcription.continuation import solve_spec
 from ...transcription.loading import build_checked, load_yaml, located
 from ...transcription.solution.solution import Solution
-from ...transcription.starts.near import Near, near
+from ...transcription.starts.near import Near, what_is_left
 from ..file.guess import adapted
-from ..file.summary import causes, plain
+from ..file.json_values import for_json
+from ..file.summary import causes
 from ..file.write import image_of
 from .check import in_case
 
@@ -135,7 +136,9 @@ def _solved(task: Task) -> Answer:
         record["status"] = INTERRUPTED
     left = Left({})
     if solution.solved:
-        left = Left({t.phase.name: _curves(t) for t in solution.trajectories}, near(solution) if task.chain else None)
+        left = Left(
+            {t.phase.name: _curves(t) for t in solution.trajectories}, what_is_left(solution) if task.chain else None
+        )
     image = image_of(solution, spec.text, spec.model_dump_json(), task.command, spec.overrides) if task.full else None
     return Answer(record, left, image)
 
@@ -193,7 +196,7 @@ def record_of(task: Task, solution: Solution, start: str, key: str) -> dict[str,
         "final": _ends(last, -1),
         "parameters": dict(last.parameters),
     }
-    told: dict[str, Any] = plain(record)
+    told: dict[str, Any] = for_json(record)
     return told
 
 

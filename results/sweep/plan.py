@@ -135,7 +135,7 @@ def sampled(axes: Sequence[Axis], count: int, seed: int) -> Plan:
     return Plan(SAMPLE, tuple(drawn))
 
 
-def listed(path: Path) -> Plan:
+def listed_in_file(path: Path) -> Plan:
     """The cases of a CSV file: paths in its first line, one case in each other line.
 
     Raises FileError if it cannot be read, SpecError for what is no such table.

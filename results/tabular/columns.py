@@ -31,7 +31,7 @@ class Column(NamedTuple):
     values: np.ndarray
 
 
-def table_of(paths: Sequence[Path], times: str | float) -> dict[str, Column]:
+def stacked_table(paths: Sequence[Path], times: str | float) -> dict[str, Column]:
     """The curves of results, stacked: name -> column.
 
     paths: of results; of several, the first column tells the file.

@@ -17,7 +17,7 @@ from .columns import Column
 CSV, PARQUET = ".csv", ".parquet"
 
 
-def check_format(path: Path) -> None:
+def check_table_format(path: Path) -> None:
     """Refuse, before any work is done, a name of neither format, or Parquet without pandas. Raises SpecError."""
     check_suffix(path, "table", (CSV, PARQUET), f"end the name with {CSV} or {PARQUET}")
     if path.suffix.lower() == PARQUET and not (find_spec("pandas") and find_spec("pyarrow")):
@@ -50,7 +50,7 @@ def _cells(values: np.ndarray) -> list[str]:
     return ["" if not finite else repr(float(v)) for v, finite in zip(values, np.isfinite(values), strict=True)]
 
 
-def save(table: Mapping[str, Column], path: Path, units: bool) -> None:
+def save_table(table: Mapping[str, Column], path: Path, units: bool) -> None:
     """Write a table; the suffix says the format, as `check_format` has passed it.
 
     table: name -> column.

@@ -6,6 +6,7 @@ from importlib.metadata import requires, version
 
 import pytest
 from command_line import process, trajopt
+from named import share
 
 from trajopt.results.installation import PARTS, installation
 
@@ -78,7 +79,8 @@ def test_no_place_for_temporary_files(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("solver", "library"), [("ma97", ""), ("ma97", "libm.so.6"), ("MA97", "none/libhsl.so"), ("ma57", "/etc/hostname")]
+    ("solver", "library"),
+    share([("ma97", ""), ("ma97", "libm.so.6"), ("MA97", "none/libhsl.so"), ("ma57", "/etc/hostname")], 2, 1),
 )
 def test_a_linear_solver_without_its_library_is_refused(solver, library):
     """For ma97, IPOPT itself crashes."""

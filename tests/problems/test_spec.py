@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from named import FAMILIES
+from pydantic import BaseModel
 from repository import ROOT
 
 from trajopt.problems.build import build
@@ -263,3 +264,12 @@ def test_a_new_file_starts_from_another(name, source):
     with pytest.raises(FileError, match="--force"):
         start_new(name, source)
     start_new(name, source, force=True)
+
+
+def test_what_a_file_leaves_out_is_what_an_empty_entry_says():
+    """Defaults are made without a validator, which is built at the first file."""
+    for name, field in Spec.model_fields.items():
+        if isinstance(field.default, BaseModel) and name != "model":
+            own = type(field.default)
+            assert field.default == own() == own.model_validate({}), name
+            assert field.default.model_dump() == own().model_dump()

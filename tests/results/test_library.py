@@ -16,7 +16,7 @@ from trajopt.results.library import baseline as kept
 from trajopt.results.library.baseline import baseline, baseline_text, regressions, renewed
 from trajopt.results.library.rows import COMPLETE, EXCLUDED, FINE, SHORT, SLOW, Finer, Row, row_from, row_of
 from trajopt.results.library.solve import finest, solve_one
-from trajopt.results.library.table import cells, html, markdown
+from trajopt.results.library.table import cells, library_html, markdown
 from trajopt.transcription.continuation import solve_spec
 
 BASELINE = baseline()
@@ -282,7 +282,7 @@ def test_rows_of_a_run_take_the_place_of_kept_ones():
 
 def test_html_shows_what_is_wrong_and_escapes_texts():
     odd = replace(GOOD, name="a<b", source="x & y", bar=1e-9, tolerance=1e-9)
-    page = html([odd], ["a<b: worse"])
+    page = library_html([odd], ["a<b: worse"])
     tags = []
     parser = HTMLParser()
     parser.handle_starttag = lambda tag, attributes: tags.append((tag, dict(attributes).get("class")))

@@ -19,7 +19,7 @@ from trajopt.results.reproduction.paper_values import (
     WORK,
     at_least,
     at_most,
-    near,
+    near_value,
     printed,
 )
 from trajopt.results.reproduction.reproduce import EXAMPLES
@@ -99,8 +99,8 @@ def test_every_figure_of_the_paper_is_there():
         (printed("J", "58.805425"), (58.8054246, 58.80542547, 58.8054254), (58.8054256, 58.805424, np.nan, np.inf)),
         (printed("eta", "3.8e-6"), (3.76e-6, 3.849e-6), (3.74e-6, 3.86e-6, 0.0)),
         (printed("u", "-0.0120"), (-0.01204, -0.01196), (-0.0121, 0.0120)),
-        (near("J", 12, 1e-7), (12, 12 + 9e-8), (12 + 2e-7, np.nan)),
-        (near("segment", 11, 0), (11,), (10, 12)),
+        (near_value("J", 12, 1e-7), (12, 12 + 9e-8), (12 + 2e-7, np.nan)),
+        (near_value("segment", 11, 0), (11,), (10, 12)),
         (at_most("difference", 1e-8), (0, 1e-8, -1), (2e-8, np.nan)),
         (at_least("order", 1.5), (1.5, 2), (1.49, np.nan)),
     ],
@@ -129,7 +129,7 @@ def test_the_peak_between_the_samples():
 
 
 def test_a_wrong_expectation_fails(folder, monkeypatch):
-    wrong = near("least number of subsegments", 3, 0)
+    wrong = near_value("least number of subsegments", 3, 0)
     monkeypatch.setitem(VALUES, "refinement", (*VALUES["refinement"][1:], wrong))
     run = trajopt("reproduce", "refinement", "--no-figures")
     assert run.exit_code == 1

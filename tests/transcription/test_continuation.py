@@ -71,6 +71,16 @@ def test_a_way_that_ends_nowhere_is_told():
 
 
 @pytest.mark.parametrize(
+    "way", ["continuation={parameters.g: [5]}", "complementarity=[{a: q**2, b: 0*q, relax: [1, 0.1]}]"]
+)
+def test_starts_are_drawn_for_the_first_problem_of_the_way(way):
+    through = solved(way, "solver.starts=2", "solver.seed=1")
+    assert through.solved
+    assert through.notes[0].startswith("of the first problem on the way: 3 starts on the first mesh led to ")
+    assert not any("starts" in note for note in through.notes[1:])
+
+
+@pytest.mark.parametrize(
     ("schedule", "first"),
     [
         ("{parameters.g: [9, 5]}", "parameters.g = 9"),

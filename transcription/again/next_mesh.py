@@ -17,6 +17,9 @@ on the mesh before, if that is less; with more the engine takes the interpolated
 ENGINE_SHARE, FINEST = 0.01, 1e-11
 """Of the error bar that is asked for, and at least: the engine's tolerance on the last mesh."""
 
+FIRST = Refine().tolerance
+"""Of the error of each segment: what comes before a finer goal for the error bar."""
+
 GAP_SHARE = 1e-3
 """Of the accuracy that is asked for, relative to 1 + |J|: what the engine's barrier may leave."""
 
@@ -35,6 +38,16 @@ def accuracy(refine: Refine | None) -> float:
     """The accuracy that is asked for, or that is the default."""
     asked = refine or Refine()
     return asked.objective or asked.tolerance
+
+
+def meets_first(solution: Solution) -> bool:
+    """Whether all segments meet FIRST, so that a finer goal for the error bar can be gone for.
+
+    Until then the mesh closes in on switches; refined for the goal at once, it has many segments everywhere, and finds
+    the switches no more.
+    """
+    pairs = zip(solution.trajectories, solution.errors, strict=True)
+    return not any(refine(*own, FIRST, merge=False).unmet for own in pairs)
 
 
 def next_solve(

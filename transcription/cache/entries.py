@@ -14,7 +14,7 @@ import time
 from hashlib import blake2b
 from typing import NamedTuple
 
-from .folder import opened
+from .folder import opened_folder
 
 MAGIC = b"trajopt cache 1\n"
 DIGEST = 32
@@ -31,7 +31,7 @@ ABANDONED = 600.0  # seconds after which a file under another name belongs to no
 _ahead = {"bytes": 0.0}  # that may be written until the folder is looked through again
 
 
-class Entry(NamedTuple):
+class CachedFile(NamedTuple):
     """A file of the folder. used: the time at which it was, to a day."""
 
     name: str
@@ -39,7 +39,7 @@ class Entry(NamedTuple):
     used: float
 
 
-def name_of(*content: bytes) -> str:
+def file_name_of(*content: bytes) -> str:
     """The name of the entry that is of this content."""
     told = blake2b(digest_size=DIGEST)
     for part in content:
@@ -47,10 +47,10 @@ def name_of(*content: bytes) -> str:
     return told.hexdigest()
 
 
-def read(name: str) -> bytes | None:
+def read_entry(name: str) -> bytes | None:
     """The payload of an entry; None if there is none that can be believed."""
     try:
-        with opened() as folder:
+        with opened_folder() as folder:
             file = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
             with os.fdopen(file, "rb") as stream:
                 found = os.fstat(file)
@@ -65,13 +65,13 @@ def read(name: str) -> bytes | None:
     return payload if content[:HEAD] == MAGIC + _digest(name, payload) else None
 
 
-def write(name: str, payload: bytes) -> None:
+def write_entry(name: str, payload: bytes) -> None:
     """Keep an entry, if that is possible."""
     if HEAD + len(payload) > LARGEST:
         return
     hidden = f".{name}.{os.getpid()}.{time.monotonic_ns()}"
     try:
-        with opened(make=True) as folder:
+        with opened_folder(make=True) as folder:
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
             file = os.open(hidden, flags, 0o600, dir_fd=folder)
             try:
@@ -86,15 +86,15 @@ def write(name: str, payload: bytes) -> None:
         return  # a full disk, a folder of somebody else: then nothing is kept
 
 
-def entries() -> list[Entry]:
+def entries() -> list[CachedFile]:
     """All of the folder, those used longest ago first. Raises OSError where it cannot be used."""
-    with opened() as folder:
+    with opened_folder() as folder:
         return sorted(_entries(folder), key=lambda own: own.used)
 
 
 def clear() -> int:
     """Empty the folder; gives the number of entries that went. Raises OSError where it cannot be used."""
-    with opened() as folder:
+    with opened_folder() as folder:
         gone = _entries(folder)
         for own in gone:
             _unlink(own.name, folder)
@@ -113,7 +113,7 @@ def _digest(name: str, payload: bytes) -> bytes:
     return told.digest()
 
 
-def _entries(folder: int) -> list[Entry]:
+def _entries(folder: int) -> list[CachedFile]:
     found = []
     with os.scandir(folder) as files:
         for file in files:
@@ -122,7 +122,7 @@ def _entries(folder: int) -> list[Entry]:
             except FileNotFoundError:  # another process was faster
                 continue
             if not stat.S_ISDIR(own.st_mode):
-                found.append(Entry(file.name, own.st_size, own.st_mtime))
+                found.append(CachedFile(file.name, own.st_size, own.st_mtime))
     return found
 
 

@@ -30,7 +30,7 @@ def place() -> Path | None:
 
 
 @contextmanager
-def opened(make: bool = False) -> Iterator[int]:
+def opened_folder(make: bool = False) -> Iterator[int]:
     """A descriptor of the folder.
 
     make: whether it is made where it is not there.

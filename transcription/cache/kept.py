@@ -7,7 +7,7 @@ import pickle
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from .entries import name_of, read, write
+from .entries import file_name_of, read_entry, write_entry
 from .folder import place
 from .identity import identity
 
@@ -25,15 +25,15 @@ def made(kind: str, content: Any, make: Callable[[], Made]) -> Made:
     content: all that it depends on, besides trajopt, its libraries and the machine; it is compared by its pickle.
     make: makes it, something that is not None; what cannot be pickled is made each time.
     """
-    own = name(kind, content)
-    found: Made | None = load(own)
+    own = name_of_kept(kind, content)
+    found: Made | None = load_kept(own)
     if found is None:
         found = make()
         keep(own, found)
     return found
 
 
-def name(kind: str, content: Any) -> str | None:
+def name_of_kept(kind: str, content: Any) -> str | None:
     """The name of what is made of some content; None where nothing is kept.
 
     kind, content: as of `made`.
@@ -42,18 +42,18 @@ def name(kind: str, content: Any) -> str | None:
     if own is None:
         return None
     try:
-        return name_of(own, kind.encode(), pickle.dumps(content, protocol=pickle.HIGHEST_PROTOCOL))
+        return file_name_of(own, kind.encode(), pickle.dumps(content, protocol=pickle.HIGHEST_PROTOCOL))
     except NOT_PICKLED as error:
         LOG.info("not looked for in the cache: %s", error)
         return None
 
 
-def load(own: str | None) -> Any:
+def load_kept(own: str | None) -> Any:
     """What was kept under a name; None if it is not there.
 
     own: as of `name`.
     """
-    payload = own and read(own)
+    payload = own and read_entry(own)
     if not payload:
         return None
     try:
@@ -72,6 +72,6 @@ def keep(own: str | None, made: Any) -> None:
     if own is None:
         return
     try:
-        write(own, pickle.dumps(made, protocol=pickle.HIGHEST_PROTOCOL))
+        write_entry(own, pickle.dumps(made, protocol=pickle.HIGHEST_PROTOCOL))
     except NOT_PICKLED as error:
         LOG.info("not kept in the cache: %s", error)

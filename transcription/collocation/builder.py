@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, p
 from ..program.templates import item
 from ..schemes.mesh import Mesh
 from .place import Place, Values
+from .relations import between, bound, finite
 
 
 class PhaseBuilder(ABC):
@@ -86,7 +86,7 @@ class PhaseBuilder(ABC):
 
     def _fill(self, component: Var, name: str, points: list[int], bounds: Range, values: list[float]) -> dict:
         """Give one state or input its bounds and initial values; returns the variables by point."""
-        lower, upper = _finite(bounds.lower), _finite(bounds.upper)
+        lower, upper = finite(bounds.lower), finite(bounds.upper)
         data = {k: component[name, k] for k in points}
         for k, variable in data.items():
             variable.set_value(values[k], skip_validation=True)
@@ -104,7 +104,12 @@ class PhaseBuilder(ABC):
         return self.block.component(name)
 
     def data(self, name: str, index: Any, values: np.ndarray) -> Param:
-        """A Param over a Set, or over 0, 1, 2, ... if that is None; values (M,)."""
+        """A Param of the block.
+
+        name: of it.
+        index: the Set that it is over; None for 0, 1, 2, ...
+        values: (M,), in the order of the Set.
+        """
         index = RangeSet(0, len(values) - 1) if index is None else index
         table = dict(zip(index, values.tolist(), strict=True))
         # Given a dict or no domain, Pyomo checks every index or value.
@@ -125,7 +130,12 @@ class PhaseBuilder(ABC):
         return self.block.tF - self.block.t0
 
     def at(self, k: Any, states: Iterable[str], inputs: bool = True) -> Values:
-        """p, t, the inputs if there are any, and the named states at point k."""
+        """The values at a point by name: p, t, inputs and states.
+
+        k: number of the point, or the placeholder of an index.
+        states: names of those that are asked for.
+        inputs: whether there are any at this point.
+        """
         block = self.block
         makers = {name: (block.x, name) for name in states}
         makers |= {name: (component, name) for component, name in self.inputs if inputs}
@@ -172,7 +182,13 @@ class PhaseBuilder(ABC):
     def add(
         self, component: str, over: Any, rule: Any, kind: ConstraintKind, name: str, span: Any, **told: Any
     ) -> None:
-        """Add a constraint for each element of `over`, or one if that is None, and tell what it is."""
+        """Add constraints, and tell what they are.
+
+        component: name in the block.
+        over: a Set, with a constraint for each of its elements; None for a single one.
+        rule: of Pyomo.
+        kind, name, span, told: as of `tell`.
+        """
         constraint = Constraint(rule=rule) if over is None else Constraint(over, rule=rule)
         self.block.add_component(component, constraint)
         self.tell(constraint, kind, name, span, **told)
@@ -186,7 +202,15 @@ class PhaseBuilder(ABC):
         weights: np.ndarray | float = 1.0,
         **told: Any,
     ) -> None:
-        """Note what the constraints of a component are; span: their two times, weights and the rest as of a Family."""
+        """Note what the constraints of a component are.
+
+        constraint: the component.
+        kind: of its constraints.
+        name: of what holds, in the file.
+        span: the normalised times from and to which each holds, numbers or (K,) each.
+        weights: (K,) quadrature weights for a phase of duration 1.
+        told: the rest, as of a `Family`.
+        """
         span = np.atleast_2d(np.transpose(span))
         weights = np.broadcast_to(weights, len(span))
         self.families.append(Family(constraint, self.phase.name, kind, name, span, weights, **told))
@@ -262,26 +286,3 @@ class PhaseBuilder(ABC):
 def _uses_time(phase: Phase) -> bool:
     """Whether any function of the phase asks for t; if none does, the times of the points are no data of the model."""
     return any("t" in names_asked(function) for function in phase.over_time)
-
-
-def bound(variable: Any, bounds: Range, value: float) -> None:
-    """Give a Pyomo variable its bounds and its initial value.
-
-    variable: a scalar Var, or one element of an indexed one.
-    bounds: in the unit of the variable; an end that is infinite is no bound.
-    value: the initial value, not checked against the bounds.
-    """
-    variable.setlb(_finite(bounds.lower))
-    variable.setub(_finite(bounds.upper))
-    variable.set_value(value, skip_validation=True)
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if isfinite(value) else None  # Pyomo takes no kinds of float but its own
-
-
-def between(bounds: Range, body: Any) -> Any:
-    """The relation lower <= body <= upper, or body == value where both ends are one."""
-    if bounds.fixed:
-        return body == float(bounds.lower)
-    return (_finite(bounds.lower), body, _finite(bounds.upper))

@@ -42,7 +42,7 @@ def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 @dataclass(frozen=True)
-class Rows:
+class DelayRows:
     """Rows of one delay on segments. point: (Q,) where y is. segment: (Q,) where x is. node, A: (Q, W). G: (Q,).
 
     knot: (Q,) the number of the knot that x is read at, or -1. before, after: (Q,) what of the row then belongs to the
@@ -58,11 +58,11 @@ class Rows:
     before: np.ndarray
     after: np.ndarray
 
-    def of(self, which: np.ndarray) -> Rows:
-        return Rows(*(getattr(self, field.name)[which] for field in fields(self)))
+    def of(self, which: np.ndarray) -> DelayRows:
+        return DelayRows(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
-def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
+def delay_rows(mesh: Mesh, lag: float) -> tuple[np.ndarray, DelayRows]:
     """The collocation points that see the history, and the rows of the others.
 
     mesh: of collocation schemes.
@@ -90,7 +90,7 @@ def rows_of(mesh: Mesh, lag: float) -> tuple[np.ndarray, Rows]:
         A[here, : last + 1], G[here] = interpolation(collocation_scheme(group.scheme), theta[here])
         node[here] = mesh.first[segment[here], None] + np.minimum(np.arange(width), last)
     G[knot >= 0] = 0.0
-    return points[past], Rows(point, segment, node, A, G, knot, before, after)
+    return points[past], DelayRows(point, segment, node, A, G, knot, before, after)
 
 
 def add_delays(builder: PhaseBuilder) -> None:
@@ -104,7 +104,7 @@ def add_delays(builder: PhaseBuilder) -> None:
     times = [end.value for end in ends]
     duration = times[1] - times[0]
     for number, own in enumerate(builder.phase.delayed):
-        past, rows = rows_of(builder.mesh, own.lag / duration)
+        past, rows = delay_rows(builder.mesh, own.lag / duration)
         _history(builder, number, own, past, times[0] + builder.mesh.fractions[past] * duration - own.lag)
         bent, at_knot = rows.G != 0, rows.knot >= 0
         at_node = (np.count_nonzero(rows.A, axis=1) == 1) & ~bent & ~at_knot
@@ -126,7 +126,7 @@ def _history(builder: PhaseBuilder, number: int, own: Delayed, points: np.ndarra
     add_rows(builder, name, over, rule, own, points)
 
 
-def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, slope: bool = False) -> None:
+def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: DelayRows, slope: bool = False) -> None:
     if not len(rows.point):
         return
     mesh, width = builder.mesh, rows.A.shape[1]
@@ -148,7 +148,7 @@ def _interpolated(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows, sl
     add_rows(builder, name, over, rule, own, rows.point)
 
 
-def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: DelayRows) -> None:
     """y_k == x at a node inside a segment."""
     if not len(rows.point):
         return
@@ -162,7 +162,7 @@ def _at_nodes(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> Non
     add_rows(builder, name, over, rule, own, rows.point)
 
 
-def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: Rows) -> None:
+def _at_knots(builder: PhaseBuilder, name: str, own: Delayed, rows: DelayRows) -> None:
     """y_k == x at a knot, which belongs to both its segments, as y_k does; at the initial time partly the history."""
     if not len(rows.point):
         return

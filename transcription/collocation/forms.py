@@ -43,7 +43,7 @@ def forms_of(problem: Problem, values_only: bool = False) -> Forms:
     return Forms((tuple(shape), *(form.form for form in (*phases, links))), phases, links)
 
 
-def numbers_of(problem: Problem, forms: Forms) -> dict[tuple[str, str], float]:
+def numbers_as_data(problem: Problem, forms: Forms) -> dict[tuple[str, str], float]:
     """The numbers of a problem that may be data of its program: (phase, or BETWEEN; name of a parameter, or of a time).
 
     problem: any.

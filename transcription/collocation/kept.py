@@ -15,7 +15,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from math import isfinite
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,13 +24,13 @@ from ...problems.expressions.expression import Expression
 from ...problems.lean.records import dataclass, only_fields
 from ...problems.problem import Curves, Problem
 from ...problems.quantities import Range
-from ..cache.kept import keep, load, name
-from ..layout import Layout, Transcription, Unknown, bounded_start, range_of_rows
+from ..cache.kept import keep, load_kept, name_of_kept
+from ..layout import Layout, Transcription, Unknowns, bounded_start, range_of_rows
 from ..libraries.alone import LOCK
-from ..method_kind import Program
+from ..method_kind import DataNumber, Numbers, Program
 from ..program.compiled import CompiledNLP
 from ..schemes.mesh import Mesh
-from .forms import GROUPS, Forms, forms_of, numbers_of
+from .forms import GROUPS, Forms, forms_of, numbers_as_data
 
 MOST, UNKNOWNS = 16, 50_000
 """Programs that are kept, and the unknowns of all of them: with its Pyomo model each takes 1 kB for an unknown."""
@@ -40,17 +40,17 @@ ON_DISK = 10_000
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class KeptProgram:
     """A program, and the transcription that it was made of; its numbers are replaced."""
 
     transcription: Transcription
     nlp: CompiledNLP
 
 
-_kept: OrderedDict[Hashable, Kept] = OrderedDict()
+_kept: OrderedDict[Hashable, KeptProgram] = OrderedDict()
 
 
-def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -> Program:
+def kept_program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -> Program:
     """The transcription of a problem and its program, from one that is kept where there is one.
 
     problem: one that no method refuses.
@@ -66,7 +66,7 @@ def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves]) -
     if kept is not None:
         return _again(kept, problem, forms, guess)
     on_disk = _name(problem, forms, meshes)
-    stored = load(on_disk)
+    stored = load_kept(on_disk)
     if stored is not None:
         kept = _restored(stored, problem, meshes)
         _remember(key, kept)
@@ -85,14 +85,14 @@ def _made(
     nlp = compiled_model(transcription)
     delays = any(phase.delayed for phase in problem.phases)  # their histories are numbers that no form tells
     if not delays and nlp.n <= UNKNOWNS and _is_told_by_numbers(transcription, nlp, forms, guess):
-        kept = Kept(transcription, nlp)
+        kept = KeptProgram(transcription, nlp)
         _remember(key, kept)
         if nlp.n <= ON_DISK:
             keep(on_disk, _stored(kept))
     return Program(transcription, nlp, built)
 
 
-def _remember(key: Hashable, kept: Kept) -> None:
+def _remember(key: Hashable, kept: KeptProgram) -> None:
     with LOCK:
         _kept[key] = kept
         while len(_kept) > MOST or sum(own.nlp.n for own in _kept.values()) > UNKNOWNS:
@@ -105,7 +105,7 @@ def _name(problem: Problem, forms: Forms, meshes: Sequence[Mesh]) -> str | None:
     between = [*(link.function for link in problem.links), *([problem.mayer] if problem.mayer else [])]
     if not all(isinstance(function, Expression) for function in (*phases, *between)):
         return None
-    return name("program", (repr(forms.key), [_told(mesh) for mesh in meshes]))
+    return name_of_kept("program", (repr(forms.key), [_told(mesh) for mesh in meshes]))
 
 
 def _told(mesh: Mesh) -> tuple:
@@ -119,7 +119,7 @@ def _value(of: Any) -> Any:
     return (of.shape, of.dtype.str, of.tobytes()) if isinstance(of, np.ndarray) else repr(of)
 
 
-def _stored(kept: Kept) -> tuple:
+def _stored(kept: KeptProgram) -> tuple:
     """What is kept on the disk: without the model, the problem and the meshes, which the next one has itself."""
     t = kept.transcription
     families = tuple(replace(family, component=family.component.name) for family in t.families)
@@ -127,28 +127,23 @@ def _stored(kept: Kept) -> tuple:
     return t.parameters, families, layouts, kept.nlp
 
 
-def _restored(stored: tuple, problem: Problem, meshes: Sequence[Mesh]) -> Kept:
+def _restored(stored: tuple, problem: Problem, meshes: Sequence[Mesh]) -> KeptProgram:
     parameters, families, layouts, nlp = stored
     every = zip(problem.phases, meshes, layouts, strict=True)
     placed = tuple(Layout(phase, mesh, **rest) for phase, mesh, rest in every)
-    return Kept(Transcription(problem, None, (), placed, parameters, families), nlp)
+    return KeptProgram(Transcription(problem, None, (), placed, parameters, families), nlp)
 
 
-def _again(kept: Kept, problem: Problem, forms: Forms, guess: Sequence[Curves]) -> Program:
+def _again(kept: KeptProgram, problem: Problem, forms: Forms, guess: Sequence[Curves]) -> Program:
     """A kept program with the numbers of a problem, whose form is `forms`."""
     old = kept.transcription
     layouts = tuple(replace(own, phase=phase) for own, phase in zip(old.phases, problem.phases, strict=True))
-    z, lower, upper = _unknowns(problem, layouts, old.parameters, guess)
-    variables = tuple(map(Unknown, z.tolist(), zip(*map(_or_none, (lower, upper)), strict=True)))
+    variables = Unknowns(*_unknowns(problem, layouts, old.parameters, guess))
     built = time.perf_counter()
-    values = numbers_of(problem, forms)
+    values = numbers_as_data(problem, forms)
     numbers = {slot: values[key] for key, slot in kept.nlp.slots.items()}
     nlp = kept.nlp.with_numbers(numbers, *_bounds(problem, old, kept.nlp))
     return Program(replace(old, problem=problem, variables=variables, phases=layouts), nlp, built)
-
-
-def _or_none(bounds: np.ndarray) -> list[float | None]:
-    return [bound if isfinite(bound) else None for bound in bounds.tolist()]
 
 
 def _is_told_by_numbers(transcription: Transcription, nlp: CompiledNLP, forms: Forms, guess: Sequence[Curves]) -> bool:
@@ -159,7 +154,7 @@ def _is_told_by_numbers(transcription: Transcription, nlp: CompiledNLP, forms: F
     told = [*_unknowns(problem, transcription.phases, transcription.parameters, guess)]
     told += _bounds(problem, transcription, nlp)
     had = [*bounded_start(transcription), nlp.cl, nlp.cu]
-    values = numbers_of(problem, forms)
+    values = numbers_as_data(problem, forms)
     return all(map(np.array_equal, told, had)) and all(values[key] == nlp.number(k) for key, k in nlp.slots.items())
 
 
@@ -206,3 +201,39 @@ def _bounds(problem: Problem, transcription: Transcription, nlp: CompiledNLP) ->
         rows = family.rows(nlp)
         lower[rows], upper[rows] = bounds.lower, bounds.upper
     return lower, upper
+
+
+# -- other numbers in a program ------------------------------------------------------------------------------------
+
+
+def numbers(transcription: Transcription, nlp: CompiledNLP) -> Numbers:
+    """The given times and the parameters of the file that are data of the machine code.
+
+    transcription: by collocation schemes and finite differences.
+    nlp: its compiled program.
+
+    What is literal in the program is data in one of values only, which is made if there is anything literal.
+    """
+    problem = transcription.problem
+    forms, most = forms_of(problem), forms_of(problem, values_only=True)
+    found = _in_slots(transcription, nlp, forms)
+    if any(all_.data.keys() - own.data.keys() for own, all_ in zip(_each(forms), _each(most), strict=True)):
+        from .model import by_model, compiled_model  # Pyomo
+
+        meshes, guess = [layout.mesh for layout in transcription.phases], [phase.guess for phase in problem.phases]
+        other = by_model(problem, meshes, guess, templates=True, values_only=True)
+        found = _in_slots(other, compiled_model(other, "lambda"), most) | found
+    return found
+
+
+def _each(forms: Forms) -> tuple:
+    return (*forms.phases, forms.links)
+
+
+def _in_slots(transcription: Transcription, nlp: CompiledNLP, forms: Forms) -> dict[tuple[str, str], DataNumber]:
+    values = numbers_as_data(transcription.problem, forms)
+    return {key: DataNumber(values[key], partial(_replaced, nlp, slot)) for key, slot in nlp.slots.items()}
+
+
+def _replaced(nlp: CompiledNLP, slot: int, value: float) -> CompiledNLP:
+    return nlp.with_numbers({slot: value}, nlp.cl, nlp.cu)

@@ -43,9 +43,10 @@ from ..program.compiler import compile_model
 from ..program.templates import templated
 from ..schemes.mesh import Mesh
 from ..schemes.segment import KindOfMethod
-from .builder import PhaseBuilder, between, bound
+from .builder import PhaseBuilder
 from .differences import DifferenceBuilder
 from .forms import forms_of
+from .relations import between, bound
 from .segments import CollocationBuilder
 
 BUILDERS: dict[KindOfMethod, type[PhaseBuilder]] = {"collocation": CollocationBuilder, "differences": DifferenceBuilder}
@@ -97,7 +98,7 @@ def by_model(
 
 
 def compiled_model(transcription: Transcription, backend: str | None = None) -> CompiledNLP:
-    """The nonlinear program of a templated model; its slots are those of `forms.numbers_of`.
+    """The nonlinear program of a templated model; its slots are those of `forms.numbers_as_data`.
 
     transcription: by `by_model`.
     backend: as of `compile_model`.

@@ -20,7 +20,7 @@ from ..schemes.scheme import Scheme, collocation_scheme
 
 
 @dataclass(frozen=True)
-class Part:
+class GroupRows:
     """The rows of one group of segments: its number on the mesh, the rows of its scheme, and which q they are."""
 
     group: int
@@ -38,7 +38,7 @@ class PointRows:
     node: np.ndarray
     R: np.ndarray
     point: np.ndarray
-    parts: tuple[Part, ...]
+    parts: tuple[GroupRows, ...]
 
     @property
     def terms(self) -> int:
@@ -65,7 +65,7 @@ def _joined(mesh: Mesh, terms: int, groups: list[tuple[int, list[int]]]) -> Poin
         segments.append(np.repeat(group.segments, len(rows)))
         row.append(above + np.tile(np.arange(len(rows)), len(group.segments)))
         tables.append(_tables(collocation_scheme(group.scheme), rows, terms, width))
-        parts.append(Part(number, tuple(rows), slice(start, start + len(row[-1]))))
+        parts.append(GroupRows(number, tuple(rows), slice(start, start + len(row[-1]))))
         start, above = parts[-1].q.stop, above + len(rows)
     L, node, R, point = (np.concatenate(columns) for columns in zip(*tables, strict=True))
     return PointRows(np.concatenate(segments), np.concatenate(row), L, node, R, point, tuple(parts))

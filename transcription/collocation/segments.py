@@ -26,7 +26,7 @@ from ..constraint_kinds import DEFECT
 from ..libraries.pyomo import Constraint, RangeSet, Set, pyomo
 from ..program.templates import item
 from ..schemes.scheme import Scheme, collocation_scheme
-from ..schemes.segment import Group
+from ..schemes.segment import SegmentGroup
 from .builder import PhaseBuilder
 from .delays import add_delays
 from .place import Place, Values
@@ -125,7 +125,7 @@ class CollocationBuilder(PhaseBuilder):
             self._rows_by_point(rows)
         add_delays(self)
 
-    def _rows_by_segment(self, group: Group, over: Any, number: int) -> None:
+    def _rows_by_segment(self, group: SegmentGroup, over: Any, number: int) -> None:
         span = self.mesh.edges[group.segments], self.mesh.edges[group.segments + 1]
         scheme = collocation_scheme(group.scheme)
         for state in self.phase.states:

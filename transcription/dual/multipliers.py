@@ -51,7 +51,7 @@ class Density:
 
 @short_repr
 @dataclass(frozen=True)
-class Measure:
+class ConstraintMeasure:
     """A side of a constraint on the states: function <= bound or >= bound, or an equation.
 
     mass: (K,) of its multiplier at normalised times s (K,), positive where it keeps the function from growing.
@@ -146,7 +146,12 @@ class Multipliers:
         return np.where(self.equations, self.outcome.y * (self.g - self.nlp.cl), 0.0)
 
     def acting(self, multiplier: np.ndarray, slack: np.ndarray, bound: np.ndarray | float) -> np.ndarray:
-        """theta, see above; multiplier: per normalised time, for what is bounded over time."""
+        """theta, see above, in the shape of the multipliers.
+
+        multiplier: per normalised time, for what is bounded over time.
+        slack: how far the bound is, in its unit; the same shape.
+        bound: in the same unit.
+        """
         size = 1 + np.abs(bound)
         nu, s = np.abs(multiplier) * size / (1 + abs(self.outcome.objective)), np.maximum(slack, 0.0) / size
         return np.where(nu + s > 0, nu / np.where(nu + s > 0, nu + s, 1.0), 1.0)
@@ -187,7 +192,12 @@ class Multipliers:
     # -- over time ---------------------------------------------------------------------------------------------------
 
     def of_rows(self, phase: Phase, kind: ConstraintKind, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,)."""
+        """Normalised times, multipliers and quadrature weights of the rows of one constraint, each (K,).
+
+        phase: that it is of.
+        kind: such as PATH.
+        name: in the file.
+        """
         s, rows, weights = self._rows(phase, kind, name)
         return s, self.over_time[rows], weights
 
@@ -240,7 +250,7 @@ class Multipliers:
                 found.append(Density(_value_of(variable.name), variable.bounds, s, y / (weights[k] * duration)))
         return found
 
-    def of_states(self, layout: Layout) -> Iterator[Measure]:
+    def of_states(self, layout: Layout) -> Iterator[ConstraintMeasure]:
         """What bounds the states: their bounds, but not those at the ends, and path constraints without controls."""
         phase, o = layout.phase, self.outcome
         for state, places in zip(phase.states, layout.x, strict=True):
@@ -254,18 +264,18 @@ class Multipliers:
             for z, bound, sign in ((o.z_lower, state.bounds.lower, -1), (o.z_upper, state.bounds.upper, 1)):
                 if np.isfinite(bound) and len(times):
                     mass = np.concatenate([sign * z[places[inside]], np.where(sign * y > 0, y, 0.0)])
-                    yield Measure(_value_of(state.name), bound, times[order], mass[order], own)
+                    yield ConstraintMeasure(_value_of(state.name), bound, times[order], mass[order], own)
         for c in phase.path:
             if phase.controls and _depends_on_inputs(phase, c.function):
                 continue
             s, rows, _ = self._rows(phase, PATH, c.name)
             y, own = self.over_time[rows], self.nlp.n + rows
             if c.bounds.fixed:
-                yield Measure(c.function, c.bounds.lower, s, y, own)
+                yield ConstraintMeasure(c.function, c.bounds.lower, s, y, own)
                 continue
             for bound, sign in ((c.bounds.lower, -1), (c.bounds.upper, 1)):
                 if np.isfinite(bound):
-                    yield Measure(c.function, bound, s, np.where(sign * y > 0, y, 0.0), own)
+                    yield ConstraintMeasure(c.function, bound, s, np.where(sign * y > 0, y, 0.0), own)
 
 
 def _depends_on_inputs(phase: Phase, function: Function) -> bool:

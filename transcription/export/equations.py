@@ -31,7 +31,7 @@ class Equation:
 
 
 @dataclass(frozen=True)
-class Group:
+class EquationGroup:
     """Equations of one kind, in the order of the file; left_out: how many more there are."""
 
     title: str
@@ -39,7 +39,7 @@ class Group:
     left_out: int = 0
 
 
-def equations(spec: Spec, problem: Problem) -> list[Group]:
+def equations(spec: Spec, problem: Problem) -> list[EquationGroup]:
     """The whole problem, group by group; those of several phases one phase after the other.
 
     spec: of the file, without mistakes.
@@ -67,7 +67,7 @@ def _names(spec: Spec) -> Iterator[str]:
     yield from (variable.name for variable in _declared(spec))
 
 
-def _declared(spec: Spec) -> tuple[variables.Declared, ...]:
+def _declared(spec: Spec) -> tuple[variables.DeclaredVariable, ...]:
     return (*variables.states(spec), *variables.controls(spec), *variables.algebraic(spec))
 
 
@@ -75,12 +75,12 @@ def _equation(row: Equation | Formula) -> Equation:
     return row if isinstance(row, Equation) else Equation(tuple(write.lines(row)))
 
 
-def _group(title: str, rows: tuple[Equation, ...], names: Sequence[str] = (), phases: int = 1) -> Group:
+def _group(title: str, rows: tuple[Equation, ...], names: Sequence[str] = (), phases: int = 1) -> EquationGroup:
     """names: of the phases that have these equations, of so many phases in all."""
     if phases > 1:
         one = "phase" if len(names) == 1 else "phases"
         title += ", every phase" if len(names) == phases else f", {one} {', '.join(names)}"
-    return Group(title, rows[:MOST], max(len(rows) - MOST, 0))
+    return EquationGroup(title, rows[:MOST], max(len(rows) - MOST, 0))
 
 
 def _between(spec: Spec, problem: Problem, writer: Writer) -> Iterator[Formula]:
@@ -134,7 +134,7 @@ class _Phase:
                 rate = self.write.notation.formula(f"{state.name}[rate]")
                 yield write.related(EQUAL, rate, self.write(state.rate))
         for residual in self.spec.residuals:
-            yield write.related(EQUAL, self.write(residual.expression), write.number(0.0))
+            yield write.related(EQUAL, self.write(residual.expression), write.tex_number(0.0))
 
     def definitions(self) -> Iterator[Formula]:
         for name, named in self.spec.expressions.items():

@@ -104,7 +104,7 @@ class Formula:
         return replace(self.size(Binding.QUOTIENT).behind(MINUS), binding=Binding.SUM)
 
 
-def name(symbol: str, *subscripts: str) -> Formula:
+def tex_name(symbol: str, *subscripts: str) -> Formula:
     """A variable such as x_{v1,3}; words stand upright."""
     written = ",".join(_word(s) for s in subscripts)
     return Formula((Piece(f"{symbol}_{{{written}}}", 1.2 + SUBSCRIPT * len(",".join(subscripts))),))
@@ -115,7 +115,7 @@ def _word(word: str) -> str:
     return word if re.fullmatch(r"[A-Za-z]?\d*", word) else r"\mathrm{" + word.replace("_", r"\_") + "}"
 
 
-def number(x: float) -> Formula:
+def tex_number(x: float) -> Formula:
     """The shortest decimal that means the same float."""
     mantissa, _, exponent = repr(abs(float(x))).partition("e")
     mantissa = mantissa.removesuffix(".0")
@@ -159,7 +159,7 @@ def quotient(a: Formula, b: Formula) -> Formula:
     return Formula((Piece(rf"\frac{{{a.text}}}{{{b.text}}}", width + 0.5),), Binding.POWER, negative)
 
 
-def power(base: Formula, exponent: Formula) -> Formula:
+def tex_power(base: Formula, exponent: Formula) -> Formula:
     exponent = exponent.signed()
     raised = Piece(f"^{{{exponent.text}}}", SUBSCRIPT * exponent.width)
     if base.binding is Binding.CALL and not base.negative and exponent.text.isdigit():  # sin^2(x)
@@ -176,7 +176,7 @@ def call(function: str, a: Formula) -> Formula:
     if function == "sqrt" and not a.tall and a.width <= FRACTION:
         return Formula((Piece(rf"\sqrt{{{a.text}}}", a.width + 2),), Binding.POWER)
     if function == "sqrt":
-        return power(a, number(0.5))
+        return tex_power(a, tex_number(0.5))
     command = Piece(FUNCTIONS[function].latex if function in FUNCTIONS else "\\" + function, len(function))
     return replace(replace(a, binding=Binding.SUM).size(Binding.ATOM).behind(command), binding=Binding.CALL)
 
@@ -209,11 +209,17 @@ class Printer(StreamBasedExpressionVisitor):  # type: ignore[misc]  # Pyomo has 
         return self.beforeChild(None, expression, None)
 
     def beforeChild(self, node: Any, child: Any, index: Any) -> Any:  # noqa: N802 (Pyomo's name)
+        """Whether to walk into a part of an expression, and its formula if not; called by Pyomo's walker.
+
+        node: the expression.
+        child: the part.
+        index: of the part in it.
+        """
         if child.__class__ in native_numeric_types:
-            return False, number(child)
+            return False, tex_number(child)
         if child.is_expression_type():
             return True, None
-        return False, self.names[id(child)] if child.is_variable_type() else number(value(child))
+        return False, self.names[id(child)] if child.is_variable_type() else tex_number(value(child))
 
     def exitNode(self, node: Any, parts: Any) -> Any:  # noqa: N802 (Pyomo's name)
         for kind, write in _NODES.items():
@@ -227,7 +233,7 @@ _NODES = {
     ne.ProductExpression: lambda node, parts: product(*parts),
     ne.DivisionExpression: lambda node, parts: quotient(*parts),
     ne.NegationExpression: lambda node, parts: negation(*parts),
-    ne.PowExpression: lambda node, parts: power(*parts),
+    ne.PowExpression: lambda node, parts: tex_power(*parts),
     ne.UnaryFunctionExpression: lambda node, parts: call(node.getname(), *parts),
     ne.ExternalFunctionExpression: lambda node, parts: looked_up(node.getname(), parts[:-1]),  # of tables only
     relation.EqualityExpression: lambda node, parts: related(EQUAL, *parts),

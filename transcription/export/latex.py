@@ -22,7 +22,7 @@ from ..constraint_kinds import DEFECT
 from ..layout import Family, Transcription
 from ..schemes.mesh import Mesh
 from ..solution.violation import of_phase
-from .formula import AT_MOST, EQUAL, Formula, Piece, Printer, lines, name, number, related
+from .formula import AT_MOST, EQUAL, Formula, Piece, Printer, lines, related, tex_name, tex_number
 
 HEAD = r"""\documentclass{article}
 \usepackage{amsmath}
@@ -55,7 +55,7 @@ def write_latex(transcription: Transcription, stream: TextIO) -> None:
     stream.write("\\end{document}\n")
 
 
-def escaped(text: str) -> str:
+def escaped_tex(text: str) -> str:
     """Any text on one line; what pdflatex does not know by its number in Unicode."""
     known = "".join(c if c <= LAST_KNOWN else f"(U+{ord(c):04X})" for c in " ".join(text.split()))
     return known.translate(SPECIAL)
@@ -75,13 +75,13 @@ class _Document:
 
     def summary(self) -> None:
         constraints = sum(len(family.span) for family in self.transcription.families)
-        self.stream.write(f"\\section*{{{escaped(self.transcription.problem.name)}}}\n")
+        self.stream.write(f"\\section*{{{escaped_tex(self.transcription.problem.name)}}}\n")
         self.stream.write(f"{len(self.transcription.variables)} unknowns, {constraints} constraints.\n")
         for layout in (layout for layout in self.transcription.phases if not layout.phase.static):
             mesh = layout.mesh
             methods = ", ".join(dict.fromkeys(scheme.name for scheme in mesh.schemes))
             self.stream.write(
-                f"Phase {escaped(layout.phase.name)}: {methods}; segments 1 to {mesh.segments}, "
+                f"Phase {escaped_tex(layout.phase.name)}: {methods}; segments 1 to {mesh.segments}, "
                 f"points 0 to {len(mesh.fractions) - 1}.\n"
             )
 
@@ -133,12 +133,14 @@ def _variables(transcription: Transcription) -> Iterator[tuple[str, tuple[str, .
 
 
 def _name(symbol: str, subscripts: tuple[str, ...], k: int | str | None) -> Formula:
-    return name(symbol, *subscripts) if k is None else name(symbol, *subscripts, str(k))
+    return tex_name(symbol, *subscripts) if k is None else tex_name(symbol, *subscripts, str(k))
 
 
 def _labels(family: Family, mesh: Mesh | None) -> Iterator[str]:
     """What each constraint of a family is, and where it holds; a link belongs to no mesh."""
-    what = " ".join(filter(None, [family.kind.heading.format(escaped(family.name)), escaped(of_phase(family.phase))]))
+    what = " ".join(
+        filter(None, [family.kind.heading.format(escaped_tex(family.name)), escaped_tex(of_phase(family.phase))])
+    )
     rows = mesh.groups[family.group].scheme.rows if mesh and family.kind is DEFECT else ()
     for start, end in family.span:
         if not family.kind.timed or mesh is None:
@@ -156,9 +158,9 @@ def _bounds(symbol: str, subscripts: tuple[str, ...], lower: Any, upper: Any, po
     if lower is None and upper is None:
         relation = variable.before(Piece(r" \text{ free}", 4.0))
     elif lower == upper:
-        relation = related(EQUAL, variable, number(lower))
+        relation = related(EQUAL, variable, tex_number(lower))
     else:
-        ends = [None if end is None else number(end) for end in (lower, upper)]
+        ends = [None if end is None else tex_number(end) for end in (lower, upper)]
         relation = related(AT_MOST, *(side for side in (ends[0], variable, ends[1]) if side is not None))
     if len(points) == 1:
         return relation

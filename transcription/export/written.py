@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from ...problems.expressions.expression import Expression
 from ...problems.expressions.functions import FUNCTIONS
-from ...problems.expressions.tree import Chain, Lookup, Name, Node, Number, Operation
+from ...problems.expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain
 from ...problems.quantities import Range
 from ...problems.schema.declarations import EndValue
 from ...problems.schema.fields import Bounded
@@ -91,7 +91,7 @@ _ARITHMETIC: dict[str, Callable[[Formula, Formula], Formula]] = {
     "-": _difference,
     "*": write.product,
     "/": write.quotient,
-    "**": write.power,
+    "**": write.tex_power,
 }
 
 
@@ -110,10 +110,10 @@ class Writer:
             case Number(value=math.pi):
                 return Formula((Piece(r"\pi ", 1.0),))
             case Number(value=value):
-                return write.number(value)
+                return write.tex_number(value)
             case Name(name=name, end=end):
                 return self.notation.formula(name, end)
-            case Chain(first=first, links=links):
+            case OperatorChain(first=first, links=links):
                 result = self.node(first)
                 for link in links:
                     result = self.applied(link.symbol, [result, self.node(link.operand)])
@@ -149,7 +149,7 @@ class Writer:
     def within(self, middle: Formula, bounds: Range) -> Formula | None:
         """The same for a range of numbers."""
         if bounds.fixed:
-            return write.related(EQUAL, middle, write.number(bounds.lower))
-        ends = [None if math.isinf(end) else write.number(end) for end in (bounds.lower, bounds.upper)]
+            return write.related(EQUAL, middle, write.tex_number(bounds.lower))
+        ends = [None if math.isinf(end) else write.tex_number(end) for end in (bounds.lower, bounds.upper)]
         sides = [side for side in (ends[0], middle, ends[1]) if side is not None]
         return write.related(AT_MOST, *sides) if len(sides) > 1 else None

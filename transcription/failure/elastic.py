@@ -162,5 +162,11 @@ class ElasticProgram:
         return self.hessian_places
 
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
+        """As of `NonlinearProgram`; f is how near the point stays to the first one.
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         inner = self.inner.hessian(z[: self.inner.n], y[: self.inner.m], 0.0)
         return np.concatenate([inner, sigma * self.near])

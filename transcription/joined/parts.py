@@ -24,7 +24,7 @@ from ..schemes.mesh import Mesh
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Part:
+class PartProgram:
     """The phases of one kind of method. places: (n,) where its unknowns stand among all."""
 
     kind: MethodKind
@@ -46,7 +46,7 @@ class PartRows:
 class JoinedTranscription(Transcription):
     """A transcription made of parts; it has no Pyomo model."""
 
-    parts: tuple[Part, ...] = ()
+    parts: tuple[PartProgram, ...] = ()
 
 
 def by_parts(
@@ -60,7 +60,7 @@ def by_parts(
     guess: one for each phase.
     """
     simulated = [mesh.schemes[0].simulated for mesh in meshes]
-    parts: list[Part] = []
+    parts: list[PartProgram] = []
     variables: list[Any] = []
     layouts: dict[int, Layout] = {}
     parameters = np.zeros(0, int)
@@ -74,9 +74,9 @@ def by_parts(
             places[part.parameters] = parameters
         new = np.flatnonzero(places < 0)
         places[new] = len(variables) + np.arange(len(new))
-        variables += [part.variables[k] for k in new]
+        variables += [part.variables[k] for k in new.tolist()]
         parameters = places[part.parameters]
-        parts.append(Part(method, part, places))
+        parts.append(PartProgram(method, part, places))
         layouts |= {i: _moved(layout, places) for i, layout in zip(numbers, part.phases, strict=True)}
     families = [
         replace(family, component=PartRows(number, family.component))

@@ -13,18 +13,18 @@ from ...problems.problem import Problem
 from ..collocation.forms import form_between
 from ..engines.outcome import Outcome
 from ..layout import BETWEEN, Transcription
-from ..method_kind import TIMES, Number, Numbers
+from ..method_kind import TIMES, DataNumber, Numbers
 from ..program.contract import NonlinearProgram, callback
 from ..program.direct import Direct
 from ..program.pointwise import PointFunctions
-from .parts import JoinedTranscription, Part, PartRows
+from .parts import JoinedTranscription, PartProgram, PartRows
 
 
 class JoinedNLP:
     """The parts' programs side by side; links are the last rows, the objective of the whole is one function more."""
 
     def __init__(self, transcription: JoinedTranscription) -> None:
-        self.parts: Sequence[Part] = transcription.parts
+        self.parts: Sequence[PartProgram] = transcription.parts
         self.programs: list[NonlinearProgram] = [part.kind.compiled(part.transcription) for part in self.parts]
         problem = transcription.problem
         self.names = [phase.name for phase in problem.phases]
@@ -57,13 +57,13 @@ class JoinedNLP:
 
     def numbers(self) -> Numbers:
         """The given times and the parameters of the file that are data: those of the parts, and of the links."""
-        found: dict[tuple[str, str], Number] = {}
+        found: dict[tuple[str, str], DataNumber] = {}
         for i, (part, program) in enumerate(zip(self.parts, self.programs, strict=True)):
             own = part.kind.numbers(part.transcription, program).items()
-            found |= {key: Number(number.value, partial(self._replaced, i, key, number)) for key, number in own}
-        return found | {(BETWEEN, name): Number(v, partial(self._linked, name)) for name, v in self.data.items()}
+            found |= {key: DataNumber(number.value, partial(self._replaced, i, key, number)) for key, number in own}
+        return found | {(BETWEEN, name): DataNumber(v, partial(self._linked, name)) for name, v in self.data.items()}
 
-    def _replaced(self, part: int, key: tuple[str, str], number: Number, value: float) -> JoinedNLP:
+    def _replaced(self, part: int, key: tuple[str, str], number: DataNumber, value: float) -> JoinedNLP:
         phase, name = key
         other = self._linked(f"{phase}.{name}", value) if name in TIMES else copy(self)
         other.programs = [number.replaced(value) if i == part else own for i, own in enumerate(self.programs)]
@@ -143,7 +143,12 @@ class JoinedNLP:
 
     @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         parts = zip(self.parts, self.programs, self._slices(y), strict=True)
         own = [program.hessian(z[part.places], rows, sigma) for part, program, rows in parts]
         weights = np.append(y[self.offsets[-1] :], [self.sense * sigma] * self.has_mayer)

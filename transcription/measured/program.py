@@ -32,7 +32,7 @@ def with_residuals(transcription: Transcription, nlp: NonlinearProgram) -> Nonli
 
 
 class _Sum:
-    """The residuals of all phases, a `Term`; what is not finite is raised as by a program."""
+    """The residuals of all phases, an `ObjectiveTerm`; what is not finite is raised as by a program."""
 
     def __init__(self, measured: Sequence[Residuals | MeanResiduals], seconds: dict[str, float]) -> None:
         self.measured, self.seconds = measured, seconds

@@ -26,7 +26,7 @@ APART = 0.1  # of the box: two candidates to improve that are nearer than this w
 
 @short_repr
 @dataclass(frozen=True)
-class Minimum:
+class BestControls:
     """The points of a phase (M,), the best controls that are found there (n_u, M), and by what H is above its value
     with them (M,), which is not negative."""
 
@@ -41,7 +41,7 @@ class Minimum:
 
 
 @np.errstate(all="ignore")
-def least_hamiltonian(phase: PhaseLagrangian, rough: bool = False) -> Minimum:
+def least_hamiltonian(phase: PhaseLagrangian, rough: bool = False) -> BestControls:
     """H is that of the minimised objective.
 
     phase: one with controls and costates.
@@ -54,7 +54,7 @@ def least_hamiltonian(phase: PhaseLagrangian, rough: bool = False) -> Minimum:
     u = points.u[: phase.n]
     here = hamiltonian(u[:, None], np.arange(len(points.t)))[0]
     better, least = _least(hamiltonian, constrained, u, phase.control_bounds, rough)
-    return Minimum(points, better, np.maximum(here - least, 0.0))
+    return BestControls(points, better, np.maximum(here - least, 0.0))
 
 
 def _least(

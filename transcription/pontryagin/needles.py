@@ -15,7 +15,7 @@ from ..solution.solution import Solution
 from ..solution.trajectory import Trajectory
 from ..solution.violation import of_phase
 from ..starts.warm import Solved
-from .minimum import Minimum, least_hamiltonian
+from .minimum import BestControls, least_hamiltonian
 
 LEAST = 1e-5
 """Of 1 + |J|: with less to gain than that, controls are as good as any."""
@@ -63,7 +63,7 @@ def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower
     return Lower(gain, _where(trajectories[worst], found[worst]), guesses)
 
 
-def _where(trajectory: Trajectory, least: Minimum) -> str:
+def _where(trajectory: Trajectory, least: BestControls) -> str:
     bearing = np.flatnonzero(least.excess > BEARING * least.excess.max())
     k = int(np.argmax(least.excess))
     controls = zip(trajectory.phase.controls, least.controls[:, k], strict=True)
@@ -72,7 +72,7 @@ def _where(trajectory: Trajectory, least: Minimum) -> str:
     return f"within t = {start:.4g} to {end:.4g}{of_phase(trajectory.phase.name)}, as {names} at t = {t:.4g}"
 
 
-def _curves(trajectory: Trajectory, least: Minimum) -> Guess:
+def _curves(trajectory: Trajectory, least: BestControls) -> Guess:
     """A trajectory with the controls of least Hamiltonian."""
     controls = zip(trajectory.phase.controls, least.controls, strict=True)
     s = trajectory.mesh.fractions

@@ -47,7 +47,7 @@ def lambdify(
         return se.Lambdify(inputs, [own.xreplace(NO_VALUE) for own in expressions], **options)
 
 
-def told(expressions: Sequence[se.Basic]) -> list[str]:
+def told_apart(expressions: Sequence[se.Basic]) -> list[str]:
     """A text for each expression, the same in all processes; equal texts are of equal expressions.
 
     SymEngine writes floats to 15 digits, and its pickles have addresses of memory in them; so each float is replaced by

@@ -169,7 +169,12 @@ class CompiledNLP:
 
     @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         weights = np.append(y, sigma)
         for f, _ in self._hessian:
             f.weights[:] = weights[f.rows]

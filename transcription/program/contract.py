@@ -74,11 +74,16 @@ class NonlinearProgram(Protocol):
         ...
 
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         ...
 
 
-class Term(Protocol):
+class ObjectiveTerm(Protocol):
     """A part of an objective: its values and derivatives at z, shape (n,).
 
     structure: rows and columns (row >= column) of the nonzeros of its Hessian; those that stand twice are added.
@@ -100,7 +105,7 @@ class WithTerm:
     What it does not say itself the program says: rows, constraints and their derivatives, what costates are made of.
     """
 
-    def __init__(self, nlp: NonlinearProgram, term: Term) -> None:
+    def __init__(self, nlp: NonlinearProgram, term: ObjectiveTerm) -> None:
         self.nlp, self.term = nlp, term
 
     def __getattr__(self, name: str) -> Any:
@@ -122,7 +127,12 @@ class WithTerm:
         return np.append(rows, more_rows), np.append(columns, more_columns)
 
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         return np.concatenate([self.nlp.hessian(z, y, sigma), sigma * self.term.hessian(z)])
 
 

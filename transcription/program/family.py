@@ -33,7 +33,12 @@ class Entries:
             self.rows, self.cols = np.divmod(distinct[self._dropped :], n)
 
     def evaluate(self, function: Callable | None, arguments: np.ndarray, out: np.ndarray) -> None:
-        """Write the derivatives into `out`, shape (len(rows),). Without a function there are none."""
+        """Write the derivatives into an array.
+
+        function: machine code of them; None if there are none.
+        arguments: (S, a) rows of what the function takes.
+        out: (len(rows),) gets them.
+        """
         if function is None:
             return
         if self._places is None and self._factor is None:

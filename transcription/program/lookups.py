@@ -31,7 +31,7 @@ from .backend import LLVM, lambdify
 
 
 @dataclass(frozen=True)
-class Lookup:
+class CompiledLookup:
     """A table at arguments. number: of the lookup in its family. arguments: expressions, one for each argument."""
 
     number: int
@@ -64,13 +64,13 @@ def _orders(n: int) -> list[tuple[int, ...]]:
     return [own for order in range(3) for own in combinations_with_replacement(range(n), order)]
 
 
-class Chain:
+class ChainRule:
     """Derivatives of expressions by the variables, through the tables that they look up.
 
     variables: symbol -> its number.
     """
 
-    def __init__(self, variables: dict[se.Symbol, int], lookups: Sequence[Lookup]) -> None:
+    def __init__(self, variables: dict[se.Symbol, int], lookups: Sequence[CompiledLookup]) -> None:
         self.variables, self.symbols = variables, {j: s for s, j in variables.items()}
         self.arguments = {symbol: own.arguments for own in lookups for symbol in own.slopes()}
         self.slopes = {symbol: slopes for own in lookups for symbol, slopes in own.slopes().items()}
@@ -98,11 +98,11 @@ class Chain:
         return self._known[symbol]
 
 
-Group = list[Lookup]
+Group = list[CompiledLookup]
 """Lookups of one table, made at once."""
 
 
-def levels(lookups: Sequence[Lookup]) -> list[list[Group]]:
+def levels(lookups: Sequence[CompiledLookup]) -> list[list[Group]]:
     """The lookups in an order in which they can be made: those of one level need only those of the levels before."""
     depth: dict[se.Symbol, int] = {}
     found: list[dict[int, Group]] = []
@@ -116,7 +116,7 @@ def levels(lookups: Sequence[Lookup]) -> list[list[Group]]:
     return [list(groups.values()) for groups in found]
 
 
-def in_order(lookups: Sequence[Lookup]) -> list[Lookup]:
+def in_order(lookups: Sequence[CompiledLookup]) -> list[CompiledLookup]:
     """The lookups in the order of their columns: by level, and in it by table."""
     return [own for groups in levels(lookups) for group in groups for own in group]
 
@@ -240,7 +240,7 @@ class Filled:
     of the first.
     """
 
-    def __init__(self, lookups: Sequence[Lookup], passes: Sequence[Any], first: int, backend: str) -> None:
+    def __init__(self, lookups: Sequence[CompiledLookup], passes: Sequence[Any], first: int, backend: str) -> None:
         self.steps, start = [], first
         for groups, code in zip(levels(lookups), passes, strict=True):
             places, at = [], 0

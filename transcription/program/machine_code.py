@@ -13,8 +13,8 @@ import symengine as se
 
 from ...problems.lean.records import dataclass
 from ..cache.kept import made
-from .backend import LLVM, OPT_LEVEL, lambdify, told
-from .lookups import Chain, Lookup, in_order, levels
+from .backend import LLVM, OPT_LEVEL, lambdify, told_apart
+from .lookups import ChainRule, CompiledLookup, in_order, levels
 
 CODE_LIMIT = 256  # compiled families kept for the next mesh
 
@@ -49,7 +49,7 @@ def compile_family(
     n_data: int,
     backend: str,
     seconds: dict,
-    lookups: Sequence[Lookup] = (),
+    lookups: Sequence[CompiledLookup] = (),
 ) -> Code:
     """Differentiate and compile, or take from memory or from the cache what was compiled before.
 
@@ -92,8 +92,10 @@ def _made(key: tuple, make: Callable[[], Any]) -> Any:
     outputs, n_variables, n_data, backend, *lookups = key
     if backend != LLVM:
         return make()
-    arguments = [(number, told(own)) for number, own in (lookups[0] if lookups else ())]
-    return made("values" if not lookups else "family", (told(outputs), n_variables, n_data, arguments, OPT_LEVEL), make)
+    arguments = [(number, told_apart(own)) for number, own in (lookups[0] if lookups else ())]
+    return made(
+        "values" if not lookups else "family", (told_apart(outputs), n_variables, n_data, arguments, OPT_LEVEL), make
+    )
 
 
 def _compile_values(outputs: Sequence[se.Basic], n_variables: int, n_data: int, backend: str) -> Callable:
@@ -107,12 +109,17 @@ def _symbols(*numbers: int) -> list[list[se.Symbol]]:
 
 
 def _compile(
-    outputs: Any, n_variables: int, n_data: int, backend: str, seconds: dict[str, float], lookups: Sequence[Lookup]
+    outputs: Any,
+    n_variables: int,
+    n_data: int,
+    backend: str,
+    seconds: dict[str, float],
+    lookups: Sequence[CompiledLookup],
 ) -> Code:
     with timing(seconds, "differentiate"):
         v, d, w = _symbols(n_variables, n_data, len(outputs))
         t = [symbol for own in in_order(lookups) for symbol in own.symbols]
-        chain = Chain({symbol: j for j, symbol in enumerate(v)}, lookups)
+        chain = ChainRule({symbol: j for j, symbol in enumerate(v)}, lookups)
         jacobian = [(o, j, e) for o, y in enumerate(outputs) for j, e in chain.derivatives(y)]
         gradient: dict[int, se.Basic] = {}
         for o, j, e in jacobian:

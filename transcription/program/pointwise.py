@@ -9,7 +9,7 @@ import numpy as np
 import symengine as se
 
 from .backend import available_backend
-from .lookups import Filled, Lookup
+from .lookups import CompiledLookup, Filled
 from .machine_code import Code, compile_family, compile_values, timing
 
 
@@ -100,7 +100,7 @@ def compiled_values(functions: Sequence[Callable], variables: Sequence[str], dat
 
 def _translate(
     functions: Sequence[Callable], variables: Sequence[str], data: Sequence[str]
-) -> tuple[list[se.Basic], list[Lookup]]:
+) -> tuple[list[se.Basic], list[CompiledLookup]]:
     """The functions in the symbols v0, v1, ... and d0, d1, ... that `compile_family` takes, and what they look up."""
     from ..libraries.pyomo import pyomo  # only here: what is compiled already needs no Pyomo
     from .slots import Slots

@@ -32,7 +32,7 @@ from ..libraries.pyomo import (
     value,
 )
 from ..libraries.pyomo import numeric_expr as ne
-from .lookups import Lookup
+from .lookups import CompiledLookup
 from .slots import Slots
 from .templates import SumTerm, TemplateError, linear_parts, table_of
 
@@ -53,7 +53,7 @@ class Arguments:
         self.data: list[se.Symbol] = []
         self.variable_slots: list[np.ndarray] = []
         self.data_slots: list[np.ndarray] = []
-        self.lookups: list[Lookup] = []
+        self.lookups: list[CompiledLookup] = []
         self._known: dict[Any, se.Symbol] = {}
         self._looked_up: dict[tuple, np.ndarray] = {}
 
@@ -108,7 +108,7 @@ class Arguments:
         """The symbol of the value of a table; the same lookup is made once."""
         key = (id(table), *arguments)
         if key not in self._known:
-            self.lookups.append(Lookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
+            self.lookups.append(CompiledLookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
             self._known[key] = self.lookups[-1].value
         return self._known[key]
 
@@ -162,7 +162,7 @@ class _Translation:
 
     def value(self, e: Any) -> se.Basic:
         """What a part has been translated to."""
-        return number(e) if e.__class__ in native_numeric_types else self.memo[id(e)]
+        return exact_number(e) if e.__class__ in native_numeric_types else self.memo[id(e)]
 
     def node(self, e: Any) -> se.Basic:
         if isinstance(e, GetItemExpression) or not e.is_expression_type():
@@ -222,7 +222,7 @@ def _operation(e: Any, parts: list, zero: Any) -> Any:
     raise TemplateError(f"{type(e).__name__} has no translation: {e}")
 
 
-def number(x: float) -> se.Basic:
+def exact_number(x: float) -> se.Basic:
     """Whole numbers and halves exactly: x**2.0 is then a multiplication, x**0.5 a square root."""
     x = float(x)
     if x.is_integer() and abs(x) < EXACT_INTEGER:

@@ -49,11 +49,41 @@ def left_basin(before: Solution, after: Solution, accuracy: float = 0.0) -> bool
     return (abs(loss) if untrue else loss) > max(times * bars, accuracy * (1 + abs(before.objective)))
 
 
+def nearer(before: Solution, after: Solution, *, by_bar: bool) -> bool:
+    """Whether the solution of a mesh is more exact than that of a later one.
+
+    Its error bar is smaller, and the two agree within their bars: else one of these is wrong, and the finer mesh knows
+    better.
+
+    before: the solution on a mesh.
+    after: that on one after it.
+    by_bar: whether the bar is all that is asked for; where it is not, the error of the dynamics is not to be larger.
+    """
+    old, new = before.objective_error, after.objective_error
+    if not (old.applies and new.applies) or old.bar >= new.bar:
+        return False
+    agree = abs(before.objective - after.objective) <= old.bar + new.bar
+    return agree and (by_bar or before.meshes[-1].relative_error <= after.meshes[-1].relative_error)
+
+
 def _exceeded(solution: Solution) -> float:
     """The largest excess over bounds and path constraints between the points, times its segment's share of its phase:
     what refinement holds to TOLERATED_EXCESS."""
     pairs = zip(solution.trajectories, solution.errors, strict=True)
     return max(float(np.max(error.largest_excess * own.mesh.widths, initial=0.0)) for own, error in pairs)
+
+
+def in_vain(meshes: Sequence[MeshRecord], tolerance: float, objective: float | None) -> str:
+    """Why no finer mesh would help, or "".
+
+    meshes: those of refinement so far.
+    tolerance: of the relative error, that is asked for.
+    objective: accuracy of the objective that is asked for, relative to 1 + |J|, if any.
+    """
+    asked, errors = tolerance, [mesh.relative_error for mesh in meshes]
+    if objective:
+        asked, errors = objective, [mesh.objective_error / (1 + abs(mesh.objective)) for mesh in meshes]
+    return stalled(meshes, tolerance) or out_of_reach([mesh.segments for mesh in meshes], errors, asked)
 
 
 def stalled(meshes: Sequence[MeshRecord], tolerance: float) -> str:

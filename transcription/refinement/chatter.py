@@ -34,8 +34,9 @@ from ..solution.violation import of_phase
 from .damped import Squares
 
 TURN = 0.05  # of a control's range: what it has to go back and forth to turn
+WIDE = 0.5  # of a control's range: turns at one point by so much count wherever they are
 TURNS = 8  # of a control that chatters, at least: the bang-bang controls that a mesh resolves turn more rarely
-PERIODS = 12  # one in each segment: bang-bang controls with few points on each arc have some, too
+PERIODS = 16  # one in each segment: bang-bang controls with few points on each arc have some, too
 NEAR = 2  # points from one turn to the next, at most
 STRENGTH = 1e-2
 WEAKER = 0.1
@@ -158,7 +159,9 @@ def _turning(u: np.ndarray, tau: np.ndarray, degrees: np.ndarray) -> list[tuple[
     u, tau: (K,) at least two. degrees: (K,) points of the segment of each.
     """
     least = max(TURN * float(np.ptp(u)), FLAT * (1 + float(np.abs(u).max())))
-    runs = _runs(_sharp_turns(u, least), np.full(len(u), NEAR), TURNS) + _runs(_turns(u, least)[::2], degrees, PERIODS)
+    everywhere, near = np.full(len(u), len(u)), np.full(len(u), NEAR)
+    runs = _runs(_sharp_turns(u, max(WIDE * float(np.ptp(u)), least)), everywhere, TURNS)
+    runs = runs or _runs(_sharp_turns(u, least), near, TURNS) + _runs(_turns(u, least)[::2], degrees, PERIODS)
     return [(float(tau[run[0] - 1]), float(tau[run[-1] + 1])) for run in runs]
 
 

@@ -16,7 +16,7 @@ PAIRS = tuple((i, j) for i in range(3) for j in range(i + 1))
 @short_repr
 @dataclass(frozen=True)
 class Squares:
-    """A `program.contract.Term`.
+    """A `program.contract.ObjectiveTerm`.
 
     columns, factors: (M, 3) the nonzeros of the rows of D.
     """

@@ -10,7 +10,7 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from .polynomials import lagrange_basis
-from .segment import Group, Interpolant, KindOfMethod, Points
+from .segment import Interpolant, KindOfMethod, Points, SegmentGroup
 
 
 @short_repr
@@ -58,7 +58,7 @@ class FiniteDifference:
     def costate_basis(self, tau: np.ndarray) -> np.ndarray:
         raise TypeError("finite differences have no costates")
 
-    def complete(self, points: Points, group: Group) -> None:
+    def complete(self, points: Points, group: SegmentGroup) -> None:
         """The velocities: differences of the positions, central inside, of three points at the ends."""
         names = [state.name for state in points.phase.states]
         for i, state in enumerate(points.phase.states):

@@ -18,7 +18,7 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.sets import distinct
 from ...problems.text import short_repr
-from .segment import Group, Segment
+from .segment import Segment, SegmentGroup
 
 
 @short_repr
@@ -102,7 +102,7 @@ class Mesh:
         return points
 
     @cached_property
-    def groups(self) -> tuple[Group, ...]:
+    def groups(self) -> tuple[SegmentGroup, ...]:
         """The segments by scheme, each once."""
         groups = []
         for scheme in dict.fromkeys(self.schemes):
@@ -110,7 +110,7 @@ class Mesh:
             local = np.arange(len(scheme.sigma))
             nodes = self.first[segments, None] + local
             slots = self.offset[segments, None] + local
-            groups.append(Group(scheme, segments, nodes, nodes[:, scheme.collocated], slots))
+            groups.append(SegmentGroup(scheme, segments, nodes, nodes[:, scheme.collocated], slots))
         return tuple(groups)
 
     @cached_property

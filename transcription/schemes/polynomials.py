@@ -6,9 +6,13 @@ Berrut and Trefethen, SIAM Review 46(3), 2004.
 
 from __future__ import annotations
 
-from functools import cache, lru_cache
+from collections.abc import Callable
+from functools import cache, lru_cache, wraps
 
 import numpy as np
+
+KEPT, LARGEST = 256, 512
+"""Basis values that are kept, and arguments of what is: the same places of a segment come again in every solution."""
 
 
 def barycentric_weights(c: np.ndarray) -> np.ndarray:
@@ -27,10 +31,27 @@ def _weights(nodes: bytes) -> np.ndarray:
     return barycentric_weights(np.frombuffer(nodes))
 
 
+def _kept(basis: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """The same function of nodes and arguments, whose values for few arguments are kept, and cannot be written to."""
+
+    @lru_cache(maxsize=KEPT)
+    def known(c: bytes, tau: bytes) -> np.ndarray:
+        values = basis(np.frombuffer(c), np.frombuffer(tau))
+        values.setflags(write=False)
+        return values
+
+    @wraps(basis)
+    def of(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        c, tau = np.asarray(c, float), np.asarray(tau, float)
+        return known(c.tobytes(), tau.tobytes()) if len(tau) <= LARGEST else basis(c, tau)
+
+    return of
+
+
+@_kept
 def lagrange_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """The Lagrange polynomials of the nodes c, shape (n,), at tau, shape (m,): shape (m, n) (paper, (D.3))."""
-    c = np.asarray(c, float)
-    distance = np.asarray(tau, float)[:, None] - c[None, :]
+    distance = tau[:, None] - c[None, :]
     at_node = distance == 0
     terms = _weights(c.tobytes()) / np.where(at_node, 1.0, distance)
     terms = np.where(at_node.any(axis=1, keepdims=True), at_node, terms)
@@ -77,17 +98,18 @@ def jacobi_nodes(n: int, alpha: int, beta: int) -> np.ndarray:
 
 
 @cache
-def _gauss_legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
+def gauss_legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of Gauss's rule on [-1, 1], each shape (n,)."""
     return np.polynomial.legendre.leggauss(n)
 
 
+@_kept
 def integrated_basis(c: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """Integrals of the Lagrange polynomials of the nodes c from 0 to tau, shape (m, n).
 
     Gauss-Legendre quadrature with enough points to be exact; monomial coefficients would lose digits at high degree.
     """
-    tau = np.asarray(tau, float)
-    nodes, weights = _gauss_legendre(len(c) // 2 + 1)
+    nodes, weights = gauss_legendre(len(c) // 2 + 1)
     inside = np.outer(tau, (nodes + 1) / 2)
     values = lagrange_basis(c, inside.ravel()).reshape(len(tau), len(nodes), len(c))
     return np.einsum("m,q,mqn->mn", tau, weights / 2, values)

@@ -15,7 +15,7 @@ CONTROLS = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 0.5, 1.
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Table:
+class ButcherTable:
     """A Butcher table. A: (r, r) strictly lower triangular, b: (r,). controls: the polynomials it can tell apart."""
 
     name: str
@@ -74,15 +74,15 @@ def _lower(*rows: tuple[float, ...]) -> np.ndarray:
 
 
 # fmt: off
-HEUN = Table(
+HEUN = ButcherTable(
     "runge-kutta-2", 2, _lower((1.0,)), np.array([1, 1]) / 2,
     "Kelly 2017, sections 9.5, 9.6; Heun 1900", controls=("constant", "linear"),
 )
-CLASSICAL = Table(
+CLASSICAL = ButcherTable(
     "runge-kutta-4", 4, _lower((1 / 2,), (0, 1 / 2), (0, 0, 1)), np.array([1, 2, 2, 1]) / 6,
     "Kelly 2017, sections 9.5, 9.6 and its supplement; Kutta 1901",
 )
-DORMAND_PRINCE = Table(
+DORMAND_PRINCE = ButcherTable(
     "dormand-prince", 5,
     _lower(
         (1 / 5,),

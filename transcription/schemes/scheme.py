@@ -29,7 +29,7 @@ from ...problems.lean.records import dataclass
 from ...problems.sets import distinct
 from ...problems.text import short_repr
 from .polynomials import integrated_basis, lagrange_basis
-from .segment import Group, Interpolant, KindOfMethod, Points, Segment
+from .segment import Interpolant, KindOfMethod, Points, Segment, SegmentGroup
 
 
 def collocation_scheme(segment: Segment) -> Scheme:
@@ -129,7 +129,14 @@ class Scheme:
         return [(int(n), np.flatnonzero(counts == n).tolist()) for n in distinct(counts)]
 
     def eliminate(self, node: int, row: int, x: Any, f: Any, h: Any) -> Any:
-        """State at an eliminated node from x[i] and f[j] at the other nodes: numbers, arrays or Pyomo expressions."""
+        """The state at an eliminated node: a number, an array or a Pyomo expression, as the values are.
+
+        node: its number among the state nodes.
+        row: the defect that gives it.
+        x: state node -> value of the state, for the others.
+        f: collocation node -> rate of the state.
+        h: duration of the segment.
+        """
         combination = sum(h * (float(r) * f[j]) for j, r in enumerate(self.R[row]) if r)
         combination -= sum(float(a) * x[i] for i, a in enumerate(self.L[row]) if a and i != node)
         return combination / float(self.L[row, node])
@@ -149,7 +156,7 @@ class Scheme:
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1): one polynomial."""
         return lagrange_basis(self.sigma, tau)
 
-    def complete(self, points: Points, group: Group) -> None:
+    def complete(self, points: Points, group: SegmentGroup) -> None:
         """The states that are eliminated, from the defects that define them."""
         x = points.x
         for node, row in self.eliminated:

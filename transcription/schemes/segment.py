@@ -105,7 +105,7 @@ class Segment(Protocol):
         """Weights of the costates at the state nodes for those at tau, shape (m, d + 1)."""
         ...
 
-    def complete(self, points: Points, group: Group) -> None:
+    def complete(self, points: Points, group: SegmentGroup) -> None:
         """Write the states of a group of segments that are no unknowns into points.x."""
         ...
 
@@ -116,7 +116,7 @@ class Segment(Protocol):
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Group:
+class SegmentGroup:
     """The segments of one method: their numbers (G,), state nodes (G, d + 1), collocation points (G, n), slots (G, d +
     1).
     """

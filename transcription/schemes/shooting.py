@@ -26,8 +26,8 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.text import short_repr
 from .polynomials import lagrange_basis
-from .runge_kutta import CONTROLS, Table
-from .segment import Group, Interpolant, KindOfMethod, Points, Segment
+from .runge_kutta import CONTROLS, ButcherTable
+from .segment import Interpolant, KindOfMethod, Points, Segment, SegmentGroup
 
 _SLOPES = {"constant": (0.5,), "linear": (0.0, 1.0), "quadratic": (0.0, 1.0)}
 COSTATE_NODES = 4  # of the polynomial through neighbouring costates
@@ -46,7 +46,7 @@ class Shooting:
     A `segment.Segment`, of which only the states at the ends are unknowns.
     """
 
-    table: Table
+    table: ButcherTable
     substeps: int
     control: str
 
@@ -185,7 +185,7 @@ class Shooting:
         basis[np.arange(len(tau))[:, None], columns] = lagrange_basis(np.arange(count), tau * self.substeps - first)
         return basis
 
-    def complete(self, points: Points, group: Group) -> None:
+    def complete(self, points: Points, group: SegmentGroup) -> None:
         """The states inside the segments, from those at their starts and the controls."""
         phase, p = points.phase, points.parameters
         A, b, c, middle = self.table.A, self.table.b, self.table.c, self.table.middle

@@ -21,7 +21,7 @@ from ..libraries.alone import LOCK
 from .discrete import EXACT
 from .finite_difference import FiniteDifference
 from .orthogonal import chebyshev, collocated_at, gauss, lobatto, radau, radau_left
-from .runge_kutta import CONTROLS, TABLES, Table
+from .runge_kutta import CONTROLS, TABLES, ButcherTable
 from .scheme import Scheme
 from .segment import Segment
 from .shooting import Shooting
@@ -50,7 +50,7 @@ class Method:
     source: str
     nodes: Callable[[int], np.ndarray] | None = None
     scheme: Segment | None = None
-    table: Table | None = None
+    table: ButcherTable | None = None
     note: str = ""
 
     @property
@@ -105,7 +105,7 @@ class Method:
 
 
 @cache
-def _shooting(table: Table, substeps: int, control: str) -> Shooting:
+def _shooting(table: ButcherTable, substeps: int, control: str) -> Shooting:
     """One object for one scheme: segments are grouped by it."""
     return Shooting(table, substeps, control)
 
@@ -156,7 +156,7 @@ def _fixed(scheme: Segment, ends: str) -> Method:
     return Method(scheme.name, scheme.family, ends, str(scheme.order), scheme.source, scheme=scheme)
 
 
-def _simulated(table: Table) -> Method:
+def _simulated(table: ButcherTable) -> Method:
     return Method(table.name, "shooting", "-", str(table.order), table.source, table=table)
 
 

@@ -13,7 +13,7 @@ from ..layout import Layout
 from ..method_kind import TIMES
 from ..program.direct import Direct
 from ..program.pointwise import PointFunctions
-from ..schemes.segment import Group
+from ..schemes.segment import SegmentGroup
 from .rows import PhaseRows, path_constraints
 from .simulation import STEP, Segments
 
@@ -53,7 +53,7 @@ class PhaseProgram:
         self.final = self._final(path, parameters, rows.final)
         self.ends = self._ends(parameters, names, seconds, np.append(rows.boundary, m))
 
-    def _segment_columns(self, group: Group, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _segment_columns(self, group: SegmentGroup, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout, count = self.layout, len(group.segments)
         x = layout.x[:, group.nodes[:, 0]].T
         u = layout.u[:, group.collocated].transpose(1, 2, 0).reshape(count, -1)
@@ -171,7 +171,13 @@ class PhaseProgram:
     # -- second derivatives ----------------------------------------------------------------------------------------
 
     def multipliers(self, s: Segments, number: int, y: np.ndarray, sigma: float) -> tuple[np.ndarray, ...]:
-        """Of the end of the segments of one group, of g and of the bounds at their points."""
+        """Multipliers of the ends of the segments of one group, of g and of the bounds at their points, as `adjoint`.
+
+        s: the group.
+        number: of it.
+        y: (m,) multipliers of the rows.
+        sigma: of the objective.
+        """
         common = np.concatenate([np.full(self.has_cost, sigma), y[self.rows.integral]])
         end = np.hstack([-y[self.rows.defects[number]], np.tile(common, (len(s.columns), 1))])
         return end, y[self.rows.path[number]], y[self.rows.bounds[number]]

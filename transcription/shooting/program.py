@@ -10,10 +10,10 @@ import numpy as np
 from ...problems.quantities import Range
 from ..collocation.forms import form_of_phase
 from ..engines.outcome import Outcome
-from ..method_kind import TIMES, Number, Numbers
+from ..method_kind import TIMES, DataNumber, Numbers
 from ..program.contract import callback
 from .phase import PhaseProgram
-from .rows import Rows, ShootingTranscription
+from .rows import ConstraintRows, ShootingTranscription
 
 
 class ShootingNLP:
@@ -26,7 +26,7 @@ class ShootingNLP:
         self.transcription, self.values_only = transcription, values_only
         self.seconds = dict.fromkeys(("differentiate", "compile", "evaluate"), 0.0)
         self.n, self.sense = len(transcription.variables), transcription.problem.sense
-        self._components: list[Rows] = [family.component for family in transcription.families]
+        self._components: list[ConstraintRows] = [family.component for family in transcription.families]
         self.m = sum(component.rows.size for component in self._components)
         self.cl, self.cu = np.empty((2, self.m))
         for component in self._components:
@@ -44,7 +44,7 @@ class ShootingNLP:
     def numbers(self) -> Numbers:
         """The given times of each phase, and the parameters of the file that are data; what is literal, is data in a
         program of values only."""
-        found: dict[tuple[str, str], Number] = {}
+        found: dict[tuple[str, str], DataNumber] = {}
         most = [form_of_phase(own.phase, values_only=True).data.keys() - own.numbers.keys() for own in self._phases]
         if any(most) and not self.values_only:
             found |= ShootingNLP(self.transcription, values_only=True).numbers()
@@ -52,7 +52,7 @@ class ShootingNLP:
             times = zip(TIMES, (own.phase.initial_time, own.phase.final_time), own.layout.t, strict=True)
             values = {**own.numbers, **{name: bounds.lower for name, bounds, place in times if place < 0}}
             for name, value in values.items():
-                found[own.phase.name, name] = Number(value, partial(self._replaced, i, name))
+                found[own.phase.name, name] = DataNumber(value, partial(self._replaced, i, name))
         return found
 
     def _replaced(self, phase: int, name: str, value: float) -> ShootingNLP:
@@ -61,7 +61,7 @@ class ShootingNLP:
         other._phases = [p.with_number(name, value) if i == phase else copy(p) for i, p in enumerate(self._phases)]
         return other
 
-    def rows(self, component: Rows) -> np.ndarray:
+    def rows(self, component: ConstraintRows) -> np.ndarray:
         """The row numbers of one group of constraints, in the order of their times."""
         return component.rows
 
@@ -125,7 +125,12 @@ class ShootingNLP:
 
     @callback
     def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
-        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure(). y: (m,) multipliers."""
+        """The nonzeros of d2(sigma f + y g)/dz2, in the order of hessianstructure().
+
+        z: (n,) unknowns.
+        y: (m,) multipliers of g.
+        sigma: of f.
+        """
         weight = self.sense * sigma
         return self._hessian.gather([block for phase in self._phases for block in phase.hessian_blocks(y, weight)])
 

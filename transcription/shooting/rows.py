@@ -32,14 +32,14 @@ from ..layout import Family, Layout, Transcription, Unknown, places
 from ..method_kind import no_delays
 from ..schemes.mesh import Mesh
 from ..schemes.shooting import shooting_scheme
-from .simulation import held
+from .simulation import nodes_of_path
 
 MAX_TANGENTS = 200_000_000  # numbers, 1.6 GB: the derivatives of a segment are dense in its unknowns
 
 
 @short_repr
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ConstraintRows:
     """The rows of one group of constraints, in the order of their times, and their common bounds."""
 
     name: str
@@ -169,7 +169,7 @@ class _RowBuilder:
         phase, groups = self.phase, self.mesh.groups
         over_time = path_constraints(phase)
         defects = [self._take(len(g.segments), len(phase.states)) for g in groups]
-        inside = [g.nodes[:, held(shooting_scheme(g.scheme))] for g in groups]
+        inside = [g.nodes[:, nodes_of_path(shooting_scheme(g.scheme))] for g in groups]
         path = [self._take(*points.shape, len(over_time)) for points in inside]
         bounds = [self._take(len(points), points.shape[1] - 1, len(self.bounded)) for points in inside]
         ends = [self._take(len(c)) for c in (over_time, phase.boundary, phase.integral)]
@@ -213,7 +213,7 @@ class _RowBuilder:
     ) -> None:
         if rows.size:
             span = np.atleast_2d(np.transpose(span))
-            component = Rows(f"{kind} {name}", rows, bounds)
+            component = ConstraintRows(f"{kind} {name}", rows, bounds)
             weights = np.broadcast_to(weights, len(span))
             self.families.append(Family(component, self.phase.name, kind, name, span, weights, group))
 
@@ -224,7 +224,7 @@ def _point_weights(mesh: Mesh) -> np.ndarray:
     for group in mesh.groups:
         scheme = shooting_scheme(group.scheme)
         local = [1 / 6, 4 / 6, 1 / 6] if scheme.control == "quadratic" else [1 / 2, 1 / 2]
-        points = np.append(held(scheme), len(scheme.sigma) - 1)
+        points = np.append(nodes_of_path(scheme), len(scheme.sigma) - 1)
         for w, first in zip(local, range(len(local)), strict=True):
             at = group.nodes[:, points[first :: len(local) - 1]][:, : scheme.substeps]
             weights += w * np.bincount(

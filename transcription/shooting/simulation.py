@@ -26,7 +26,7 @@ import numpy as np
 from ..method_kind import TIMES
 from ..program.pointwise import PointFunctions
 from ..schemes.mesh import Mesh
-from ..schemes.segment import Group
+from ..schemes.segment import SegmentGroup
 from ..schemes.shooting import Shooting, shooting_scheme
 
 STEP = "[step]"
@@ -42,13 +42,14 @@ class Segments:
     nodes of u on each segment, `held` among its state nodes.
     """
 
-    def __init__(self, mesh: Mesh, group: Group, sizes: tuple[int, int, int], *, columns: np.ndarray, fixed: np.ndarray,
-                 dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int]) -> None:  # fmt: skip
+    def __init__(self, mesh: Mesh, group: SegmentGroup, sizes: tuple[int, int, int], *, columns: np.ndarray,
+                 fixed: np.ndarray, dynamics: PointFunctions, path: PointFunctions, bounded: Sequence[int],
+                 ) -> None:  # fmt: skip
         self.scheme = shooting_scheme(group.scheme)
         self.columns, self.fixed, self.dynamics, self.path = columns, fixed, dynamics, path
         self.n, self.n_u, self.n_p = sizes
         self.bounded = np.array(bounded, int)
-        self.held = held(self.scheme)
+        self.held = nodes_of_path(self.scheme)
         self.per = len(self.held) // self.scheme.substeps  # points on a substep
         self.edges, self.widths = mesh.edges[group.segments], mesh.widths[group.segments]
         self.nodes = self.n + 2 + self.n_p  # the place of u in y
@@ -177,7 +178,11 @@ class Segments:
     # -- adjoints and second derivatives ---------------------------------------------------------------------------
 
     def adjoint(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The sweep back, for multipliers of the end (G, n + q), of g (G, P, n_g) and of the bounds (G, P - 1, n_b).
+        """The sweep back through the stages.
+
+        end: (G, n + q) multipliers of the states and integrals at the end of each segment.
+        path: (G, P, n_g) of the path constraints at the points.
+        bound: (G, P - 1, n_b) of the bounds of states at the points after the first.
 
         Returns mu (G, S, r, n + q) of the stages; the derivative of the Lagrangian by x at the starts of the substeps
         without the constraints there (G, S, n); and that of these constraints alone (G, S, n).
@@ -205,7 +210,10 @@ class Segments:
         return mu, after, own[:, :, 0]
 
     def hessian(self, end: np.ndarray, path: np.ndarray, bound: np.ndarray) -> np.ndarray:
-        """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y)."""
+        """Second derivatives of the Lagrangian of each segment by its y, shape (G, n_y, n_y).
+
+        end, path, bound: multipliers, as of `adjoint`.
+        """
         mu, _, _ = self.adjoint(end, path, bound)
         # Bounds have no curvature of their own, as they are linear in x: their multipliers are in mu.
         M, V = self.dynamics.hessian(self.stages, mu), self._stage_tangents
@@ -219,7 +227,7 @@ class Segments:
         return H
 
 
-def held(scheme: Shooting) -> np.ndarray:
+def nodes_of_path(scheme: Shooting) -> np.ndarray:
     """The state nodes of a segment at which path constraints hold, the last node being the next segment's."""
     return np.arange(0, len(scheme.sigma) - 1, 2 if scheme.control == "constant" else 1)
 

@@ -19,6 +19,7 @@ import numpy as np
 from ...problems.lean.records import dataclass
 from ...problems.quantities import Complementarity, Function, Range
 from ...problems.text import short_repr
+from ..schemes.polynomials import gauss_legendre
 from .implicit import consistent_inputs, where_defined
 from .trajectory import Sample, Trajectory
 
@@ -147,7 +148,7 @@ def _quadrature_error(trajectory: Trajectory) -> np.ndarray:
     phase, mesh = trajectory.phase, trajectory.mesh
     integrands = ([phase.lagrange] if phase.lagrange else []) + [c.function for c in phase.integral]
     errors, totals = np.zeros((len(integrands), mesh.segments)), np.zeros(len(integrands))
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    nodes, weights = gauss_legendre(GAUSS_POINTS)
     for group in mesh.groups:
         if group.scheme.quadrature is None:
             continue

@@ -13,10 +13,11 @@ from ...problems.lean.records import dataclass
 from ...problems.quantities import Function
 from ...problems.text import short_repr
 from ..constraint_kinds import INTEGRAL
-from ..dual.multipliers import Density, Measure, Multipliers
+from ..dual.multipliers import ConstraintMeasure, Density, Multipliers
 from ..layout import Layout
 from ..schemes.mesh import Mesh
-from ..schemes.segment import Group
+from ..schemes.polynomials import gauss_legendre
+from ..schemes.segment import SegmentGroup
 from ..schemes.shooting import shooting_scheme
 from .hamiltonian import Constrained, Values, minimise
 from .implicit import Nearby, consistent_inputs, where_defined
@@ -36,16 +37,16 @@ Point = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @short_repr
 @dataclass
-class Terms:
+class SegmentTerms:
     """Contributions of the segments of a phase, (N,): to the minimised objective by kind, and to the bar."""
 
     signed: dict[str, np.ndarray]
     shares: np.ndarray
 
 
-def no_terms(mesh: Mesh) -> Terms:
+def no_terms(mesh: Mesh) -> SegmentTerms:
     """Zero on every segment."""
-    return Terms({kind: np.zeros(mesh.segments) for kind in TERMS}, np.zeros(mesh.segments))
+    return SegmentTerms({kind: np.zeros(mesh.segments) for kind in TERMS}, np.zeros(mesh.segments))
 
 
 COLUMNS = ("t", "s", "x", "dx", "costate", "u")
@@ -102,11 +103,11 @@ class PhaseLagrangian:
         return self.multipliers.of_controls(self.layout, self.duration)
 
     @cached_property
-    def of_states(self) -> list[tuple[Measure, np.ndarray, np.ndarray]]:
+    def of_states(self) -> list[tuple[ConstraintMeasure, np.ndarray, np.ndarray]]:
         """The measures, with their densities at the points and between them."""
-        tr, found = self.trajectory, []
+        tr, found, known = self.trajectory, [], dict[bytes, Sample]()
         for measure in self.multipliers.of_states(self.layout):
-            at = tr.at(measure.s)
+            at = known.get(measure.s.tobytes()) or known.setdefault(measure.s.tobytes(), tr.at(measure.s))
             u = at.u if self.n else self._inputs(at.t, at.x, at.u)  # with controls, what asks for inputs is no measure
             g = self.values(measure.function, at.t, at.x, u)
             nearest = np.diff(np.concatenate([[0.0], (measure.s[1:] + measure.s[:-1]) / 2, [1.0]]))
@@ -120,7 +121,11 @@ class PhaseLagrangian:
         return consistent_inputs(self.phase, t, x, u, self.p)
 
     def values(self, function: Function, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Of a function of the problem, in the shape of t; states x and inputs u have a row for each."""
+        """The values of a function of the problem, in the shape of t.
+
+        function: of the phase.
+        t, x, u: as of `Phase.arguments`.
+        """
         return np.broadcast_to(function(self.phase.arguments(t, x, u, self.p), np), np.shape(t))
 
     def _running(self, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -135,7 +140,7 @@ class PhaseLagrangian:
 
     # -- terms -------------------------------------------------------------------------------------------------------
 
-    def terms(self) -> Terms:
+    def terms(self) -> SegmentTerms:
         terms = no_terms(self.mesh)
         for group in self.mesh.groups:
             samples, here, signed = self._samples(group), group.segments, terms.signed
@@ -150,9 +155,9 @@ class PhaseLagrangian:
             terms.shares[here] += share
         return terms
 
-    def _samples(self, group: Group) -> Samples:
+    def _samples(self, group: SegmentGroup) -> Samples:
         tr, sigma = self.trajectory, group.scheme.sigma
-        nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        nodes, weights = gauss_legendre(GAUSS_POINTS)
         width = np.diff(sigma)[:, None]
         tau = (sigma[:-1, None] + width * (nodes + 1) / 2).ravel()
         sample = tr.grid(group.segments, tau)
@@ -166,7 +171,7 @@ class PhaseLagrangian:
         u = where_defined(self.phase, lambda own: self._hamiltonian(t, x, own, costate), self._inputs(t, x, u))
         return Samples(t, (t - tr.t[0]) / self.duration, x, dx, costate, u, h)
 
-    def _own_integrals(self, group: Group) -> np.ndarray:
+    def _own_integrals(self, group: SegmentGroup) -> np.ndarray:
         """The integrals of the Lagrangian over each segment of a group, as the nonlinear program takes them."""
         tr, m = self.trajectory, self.multipliers
         if group.scheme.simulated:
@@ -216,7 +221,7 @@ class PhaseLagrangian:
         weights = self.mesh.weights[points] * self.duration
         return Samples(t, self.mesh.fractions[points], x, f, costate, self._inputs(t, x, u), weights[None])
 
-    def _simulated_points(self, group: Group) -> Samples:
+    def _simulated_points(self, group: SegmentGroup) -> Samples:
         """The points of simulated segments, with costates of their full order."""
         tr, scheme = self.trajectory, group.scheme
         points = group.collocated.ravel()
@@ -256,7 +261,7 @@ class PhaseLagrangian:
             share += TOUCHED * np.abs(samples.integral(np.maximum(inside, 0.0)))
         return total, share
 
-    def _simulated_costate(self, group: Group, tau: np.ndarray) -> np.ndarray:
+    def _simulated_costate(self, group: SegmentGroup, tau: np.ndarray) -> np.ndarray:
         """Costates of segments that are simulated, shape (n_x, G, M): on each substep Hermite's cubic of those at its
         ends and of their slopes, - dL/dx. Without the slopes they would be of a lower order than the states are."""
         tr, segments = self.trajectory, group.segments

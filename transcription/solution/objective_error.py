@@ -57,7 +57,7 @@ from ..dual.multipliers import Multipliers
 from ..engines.outcome import Outcome, Status
 from ..layout import Transcription
 from ..program.contract import NonlinearProgram
-from .lagrangian import TERMS, PhaseLagrangian, Terms, no_terms
+from .lagrangian import TERMS, PhaseLagrangian, SegmentTerms, no_terms
 from .touch import touches
 from .trajectory import Trajectory
 
@@ -128,7 +128,7 @@ def objective_error(
     return ObjectiveError(correction, bar, multipliers.gap, segments, shares, terms)
 
 
-def _add_touches(phase: PhaseLagrangian, terms: Terms) -> None:
+def _add_touches(phase: PhaseLagrangian, terms: SegmentTerms) -> None:
     """Add what touches of constraints are worth: to the segment that has one, and to that where it belongs."""
     if any(group.scheme.simulated for group in phase.mesh.groups):
         return

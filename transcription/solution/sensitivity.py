@@ -35,7 +35,7 @@ from ...problems.quantities import Range
 from ...problems.text import short_repr
 from ..engines.outcome import Outcome, Status
 from ..layout import BETWEEN, Layout, Transcription, range_of_rows
-from ..method_kind import Number, Numbers
+from ..method_kind import DataNumber, Numbers
 from ..program.contract import NonlinearProgram, NotFinite
 
 TOUCHED = 1e-4
@@ -172,7 +172,7 @@ class _Program:
                 number = function.parameters[name]
                 self.sums.add(number, difference(squares, number, self.rounding))
 
-    def _lagrangian(self, number: Number, value: float) -> float:
+    def _lagrangian(self, number: DataNumber, value: float) -> float:
         """f + y . g with another number."""
         nlp, z, y = number.replaced(value), self.outcome.z, self.outcome.y
         try:

@@ -174,7 +174,7 @@ class Solution:
         return max(error.max_eta for error in self.errors)
 
 
-def with_bar(solution: Solution, bar: float) -> Solution:
+def with_error_bar(solution: Solution, bar: float) -> Solution:
     """A solution whose objective has another error bar, as far as it tells of it.
 
     solution: one with an error bar.

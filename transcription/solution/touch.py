@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dual.multipliers import Measure, Multipliers
+from ..dual.multipliers import ConstraintMeasure, Multipliers
 from ..engines.linear import hessian_of, jacobian_of, solved
 from .lagrangian import PhaseLagrangian
 
@@ -61,7 +61,7 @@ def touches(own: PhaseLagrangian) -> Iterator[Touch]:
             yield _touch(own, measure, points, kkt)
 
 
-def _groups(measure: Measure) -> Iterator[np.ndarray]:
+def _groups(measure: ConstraintMeasure) -> Iterator[np.ndarray]:
     """Numbers of the few neighbouring points inside the phase that hold a constraint, and none beside them does."""
     mass = np.abs(measure.mass)
     held = np.flatnonzero(mass > NONE * mass.max(initial=0.0))
@@ -70,7 +70,7 @@ def _groups(measure: Measure) -> Iterator[np.ndarray]:
             yield group
 
 
-def _touch(own: PhaseLagrangian, measure: Measure, points: np.ndarray, kkt: _KKT) -> Touch:
+def _touch(own: PhaseLagrangian, measure: ConstraintMeasure, points: np.ndarray, kkt: _KKT) -> Touch:
     s, mass = measure.s[points], measure.mass[points]
     rates = [_Rate(own, measure, at) for at in s]
     slopes = np.array([rate.value for rate in rates])
@@ -92,7 +92,7 @@ def _touch(own: PhaseLagrangian, measure: Measure, points: np.ndarray, kkt: _KKT
 class _Rate:
     """dg/dt at a point as the dynamics have it: its value, and its gradient by the unknowns there, at their places."""
 
-    def __init__(self, own: PhaseLagrangian, measure: Measure, s: float) -> None:
+    def __init__(self, own: PhaseLagrangian, measure: ConstraintMeasure, s: float) -> None:
         tr, layout = own.trajectory, own.layout
         node = int(np.argmin(np.abs(own.mesh.fractions - s)))
         self.own, self.function, self.n = own, measure.function, len(layout.x)

@@ -110,7 +110,7 @@ def _within(bounds: Range, guess: float, at: float) -> float:
     return bounds.clip(guess + SPREAD * (1 + abs(guess)) * (2 * at - 1))
 
 
-def told(objectives: Sequence[float | None], sense: int) -> str:
+def told_of_starts(objectives: Sequence[float | None], sense: int) -> str:
     """The distinct optima of many starts, the best first, and how many starts led to each.
 
     objectives: of every start, None where it was not solved.

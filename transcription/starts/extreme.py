@@ -11,9 +11,15 @@ have no such digit; and a free time of 1e5 seconds moves by steps of 1. Where a 
 time as long as LONG, the units are small (metres from the centre of a planet), and the program is scaled: everything by
 its size, free times by the duration, so that units do not matter.
 
-The size of a state or an input is its largest magnitude along the start (for large ones, of an input in bounds half
-of what is between them); of a static parameter it is its guess. If that is 0, it is the value at which it begins to
-act: with X the sizes of the states and T the duration,
+Quadratures. A state that nothing over time depends on, such as a named integral, begins at zero, and may become
+anything: the integral of a squared force is 1e6 where the force is guessed to be zero. Its defects then are all that
+a line search sees. Its size is how far its rate takes it with all inputs that have two bounds halfway between the
+middle and the upper one, and as guessed otherwise. That may be far too much where bounds are loose, which costs digits:
+so it is MOST at most, and less than NOTABLE is left alone.
+
+The size of another state or an input is its largest magnitude along the start (for large ones, of an input in bounds
+half of what is between them); of a static parameter it is its guess. If that is 0, it is the value at which it begins
+to act: with X the sizes of the states and T the duration,
 
     size = min over the states of  X / (T |df/dp|).
 """
@@ -21,18 +27,20 @@ act: with X the sizes of the states and T the duration,
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
 
 from ...problems.probe import depends_on
 from ...problems.problem import Phase
-from ...problems.quantities import Variable
+from ...problems.quantities import Function, Range, State, Variable
 from ..layout import Transcription
 from ..scaling import TIME
-from .other import slopes
+from .other import POINTS, slopes
 
 KAPPA = 0.01
 LARGE, LONG = 1e6, 1e4
+NOTABLE, MOST = 1e3, 1e4
 
 
 def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, float] | None:
@@ -43,7 +51,11 @@ def extreme_sizes(transcription: Transcription, z: np.ndarray) -> Mapping[str, f
 
     Name of each variable, and TIME, -> its size if a state is large; if none is, -> its size if it is small, else 1.
     """
-    return _of_large(transcription, z) or _of_small(transcription, z)
+    sizes = _of_large(transcription, z) or _of_small(transcription, z)
+    quadratures = _of_quadratures(transcription)
+    if not quadratures:
+        return sizes
+    return (sizes or {variable.name: 1.0 for variable, _ in _sizes(transcription, z)}) | quadratures
 
 
 def _of_large(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
@@ -63,6 +75,36 @@ def _of_large(transcription: Transcription, z: np.ndarray) -> dict[str, float]:
             sizes[own.name] = sizes[own.name] or _acts_at(phase, own.name)
     sizes[TIME] = max(free, default=0.0)
     return {name: size for name, size in sizes.items() if 0 < size < np.inf}
+
+
+def _of_quadratures(transcription: Transcription) -> dict[str, float]:
+    sizes: dict[str, float] = {}
+    for layout in transcription.phases:
+        for state in filter(partial(_is_quadrature, layout.phase), layout.phase.states):
+            sizes[state.name] = max(sizes.get(state.name, 0.0), _reached(layout.phase, state))
+    return {name: min(size, MOST) for name, size in sizes.items() if size > NOTABLE}
+
+
+def _is_quadrature(phase: Phase, state: State) -> bool:
+    """Whether a state begins at zero, goes anywhere, and nothing over time depends on it."""
+    known = state.bounds != Range() or state.initial != Range(0.0, 0.0) or state.final != Range()
+    rates = [own.rate for own in phase.states] + ([phase.lagrange] if phase.lagrange else [])
+    conditions = [own.function for own in (*phase.residuals, *phase.path, *phase.integral)]
+    over_time: list[Function] = [*rates, *conditions]
+    return not (known or phase.exact or any(depends_on(own, {state.name}) for own in over_time))
+
+
+def _reached(phase: Phase, state: State) -> float:
+    """How far the rate of a quadrature takes it, as far as that is known before the solution; 0 where it is not."""
+    guess, s = phase.guess, np.linspace(0.0, 1.0, POINTS)
+    values = {**guess.samples(s), **guess.parameters, "t": guess.initial_time + s * _duration(phase)}
+    for own in phase.inputs:
+        lower, upper = own.bounds.lower, own.bounds.upper
+        if np.isfinite([lower, upper]).all():
+            values[own.name] = np.full_like(s, (lower + 3 * upper) / 4)
+    with np.errstate(all="ignore"):
+        size = float(np.mean(np.abs(np.broadcast_to(state.rate(values, np), s.shape))) * _duration(phase))
+    return size if np.isfinite(size) else 0.0
 
 
 def _duration(phase: Phase) -> float:

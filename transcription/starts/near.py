@@ -58,7 +58,12 @@ class Near:
         return alike and sizes == (nlp.m, nlp.n, nlp.n)
 
     def foretold(self, nlp: NonlinearProgram, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
-        """L of a program at the neighbour's point z, (n,), with bounds lower and upper; NaN if that is not close."""
+        """The Lagrangian of a program at the neighbour's point; NaN if that is not close.
+
+        nlp: with as many rows and unknowns as the neighbour's.
+        z: (n,) the neighbour's point.
+        lower, upper: (n,) bounds of the unknowns.
+        """
         y, z_lower, z_upper = self.start.y, self.start.z_lower, self.start.z_upper
         try:
             f, g = nlp.objective(z), nlp.constraints(z)
@@ -80,7 +85,7 @@ def _passed(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
     return max(float(gap.max(initial=0.0)) for gap in gaps)
 
 
-def near(solution: Solution) -> Near:
+def what_is_left(solution: Solution) -> Near:
     """What a solution leaves for its neighbours."""
     own = solution.outcome
     points = tuple(trajectory.mesh.fractions for trajectory in solution.trajectories)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from ...pictures.animate import stop_action
 from ...pictures.error_plots import draw_error
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION
-from .example import Example, Picture, Run, Solutions, SolvedRun, draw, grid, largest, name_time, objectives, peak
+from .example import Example, Picture, Run, Solutions, SolvedRun, draw, largest, name_time, objectives, panel_grid, peak
 
 TABLE, SUPPLEMENT = "biped", "biped_supplement"
 LINKS = range(1, 6)
@@ -91,14 +91,14 @@ def _foot_height(step: SolvedRun) -> np.ndarray:
 
 
 def poses(walker: str, solved: Solutions) -> Figure:
-    figure, ((ax,),) = grid([2.7], 1, 6.6)
+    figure, ((ax,),) = panel_grid([2.7], 1, 6.6)
     stop_action(ax, solved[walker].result, POSES, by_part=True, spread=SPREAD)
     ax.set_xlabel(f"x [m], each pose {SPREAD:g} m to the right of the one before")
     return figure
 
 
 def trajectory(walker: str, solved: Solutions) -> Figure:
-    figure, axes = grid([1.05] * 5, 2, 2.9, down=0.2)
+    figure, axes = panel_grid([1.05] * 5, 2, 2.9, down=0.2)
     for i, (left, right) in zip(LINKS, axes, strict=True):
         draw(left, solved[walker], f"q{i}", f"$q_{i}$")
         if i == 1:  # zero by definition
@@ -113,7 +113,7 @@ def trajectory(walker: str, solved: Solutions) -> Figure:
 
 
 def error(walker: str, solved: Solutions) -> Figure:
-    figure, axes = grid([1.0] * 5, 2, 2.9, down=0.65)
+    figure, axes = panel_grid([1.0] * 5, 2, 2.9, down=0.65)
     for i, pair in zip(LINKS, axes, strict=True):
         draw_error((pair[0], pair[1]), solved[walker].result, f"q{i}")
     return figure
@@ -129,7 +129,7 @@ def kinematics(solved: Solutions) -> Figure:
     length, d = (np.array([parameters[f"{name}{i}"] for i in LINKS]) for name in "ld")
     part = np.where(np.arange(5) < 2, 1 - d / length, d / length)  # d of the stance leg is from the upper end
     G = P[list(JOINTS)] + part[:, None] * (P[1:] - P[list(JOINTS)])
-    figure, ((ax,),) = grid([5.0], 1, 3.4)
+    figure, ((ax,),) = panel_grid([5.0], 1, 3.4)
     for chain in ([0, 1, 2, 3], [2, 4, 5]):
         ax.plot(*P[chain].T, color=GREY, linewidth=5, alpha=0.6, solid_capstyle="round", zorder=1)
     ax.axhline(0, color=BLACK, linewidth=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ...pictures.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, labelled
-from .example import Example, Picture, Run, Solutions, SolvedRun, grid, largest, name_time, objectives
+from .example import Example, Picture, Run, Solutions, SolvedRun, largest, name_time, objectives, panel_grid
 
 BLOCK = "block_move_min_force"
 FEASIBLE = {  # name -> a force w(t); the feasible trajectory whose force is nearest to it
@@ -71,7 +71,7 @@ def _effort(run: SolvedRun) -> float:
 
 
 def comparison(solved: Solutions) -> Figure:
-    figure, axes = grid([1.5, 1.2, 1.2], 2, 3.0, down=0.2, across=0.35)
+    figure, axes = panel_grid([1.5, 1.2, 1.2], 2, 3.0, down=0.2, across=0.35)
     for row, (name, meaning) in zip(axes, ROWS.items(), strict=True):
         for kind, colour, line in zip(FEASIBLE, COLOURS, STYLES, strict=True):
             run = solved[f"block_feasible_{kind}"]

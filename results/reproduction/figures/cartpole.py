@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ...pictures.animate import stop_action
 from ...pictures.error_plots import draw_error
-from .example import Example, Picture, Run, Solutions, draw, grid, largest, name_time, objectives, peak
+from .example import Example, Picture, Run, Solutions, draw, largest, name_time, objectives, panel_grid, peak
 
 HS, TRAPEZOID = "Hermite-Simpson", "trapezoid"
 FRAMES = 9
@@ -51,13 +51,13 @@ def measure(solved: Solutions) -> dict[str, float]:
 
 
 def poses(solved: Solutions) -> Figure:
-    figure, ((ax,),) = grid([3.6], 1, 5.6)
+    figure, ((ax,),) = panel_grid([3.6], 1, 5.6)
     stop_action(ax, solved["cartpole"].result, FRAMES)
     return figure
 
 
 def trajectory(solved: Solutions) -> Figure:
-    figure, axes = grid([1.4] * 3, 1, 5.6, down=0.2)
+    figure, axes = panel_grid([1.4] * 3, 1, 5.6, down=0.2)
     labels = (("q1", "position $q_1$"), ("q2", "angle $q_2$"), ("u", "force $u$"))
     for (ax,), (name, label) in zip(axes, labels, strict=True):
         draw(ax, solved["cartpole"], name, label)
@@ -66,7 +66,7 @@ def trajectory(solved: Solutions) -> Figure:
 
 
 def error(solved: Solutions) -> Figure:
-    figure, axes = grid([1.5] * 2, 2, 3.4, down=0.6)
+    figure, axes = panel_grid([1.5] * 2, 2, 3.4, down=0.6)
     for pair, state in zip(axes, ("q1", "q2"), strict=True):
         draw_error((pair[0], pair[1]), solved["cartpole"].result, state)
     return figure

@@ -84,7 +84,7 @@ class Example:
     table: Callable[[Solutions], list[list[str]]] = field(default=lambda solved: [])
 
 
-def grid(rows: Sequence[float], columns: int, width: float, **frame: float) -> tuple[Figure, list[list[Axes]]]:
+def panel_grid(rows: Sequence[float], columns: int, width: float, **frame: float) -> tuple[Figure, list[list[Axes]]]:
     """A figure with panels in rows and columns, and its axes row by row.
 
     rows: height of each row, inches.

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ....problems.expressions.smooth import SQRT, TANH, smooth_abs
 from ...pictures.style import BLACK, BLUE, GREEN, PURPLE, VERMILION
 from ..paper_values import SWITCH, U_MAX, WORK
-from .example import Example, Picture, Run, Solutions, SolvedRun, grid, largest, name_time, objectives
+from .example import Example, Picture, Run, Solutions, SolvedRun, largest, name_time, objectives, panel_grid
 
 ALPHAS = (0.01, 1.0, 5.0)
 METHODS = {"slack": "slack", **{f"tanh {alpha:g}": f"{{tanh: {alpha:g}}}" for alpha in ALPHAS}}
@@ -92,7 +92,7 @@ WIDTHS = ((0.1, BLUE, "-"), (0.5, VERMILION, (0, (5, 1))), (1.0, GREEN, (0, (3, 
 
 
 def smoothing(solved: Solutions) -> Figure:
-    figure, axes = grid([1.9, 1.5], 2, 2.9, down=0.25)
+    figure, axes = panel_grid([1.9, 1.5], 2, 2.9, down=0.25)
     x = np.linspace(-2, 2, 801)
     kinds = ((TANH, r"\alpha", r"$x\,\tanh(x/\alpha)$"), (SQRT, r"\beta", r"$\sqrt{x^2 + \beta^2}$"))
     for (above, below), (kind, letter, formula) in zip(zip(*axes, strict=True), kinds, strict=True):
@@ -121,7 +121,7 @@ _TITLES = {"slack": "slack variables", **{f"tanh {a:g}": rf"tanh, $\alpha$ = {a:
 
 def solutions(name: str, solved: Solutions) -> Figure:
     """One of the curves, for each mesh (rows) and method (columns)."""
-    figure, axes = grid([1.35] * len(DRAWN), len(METHODS), 1.75, down=0.42, across=0.2, top=0.85, left=0.8)
+    figure, axes = panel_grid([1.35] * len(DRAWN), len(METHODS), 1.75, down=0.42, across=0.2, top=0.85, left=0.8)
     for row, n in zip(axes, DRAWN, strict=True):
         for ax, method in zip(row, METHODS, strict=True):
             run = solved[name_of(method, n)]

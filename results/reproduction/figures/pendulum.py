@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ...pictures.animate import stop_action
 from ...pictures.style import BLACK, BLUE, GREY, VERMILION, Numbers
-from .example import Example, Picture, Run, Solutions, grid, name_time, objectives, with_unit
+from .example import Example, Picture, Run, Solutions, name_time, objectives, panel_grid, with_unit
 
 FRAMES = 11
 
@@ -41,7 +41,7 @@ def _difference(solved: Solutions, name: str) -> np.ndarray:
 
 
 def trajectory(solved: Solutions) -> Figure:
-    figure, axes = grid([1.4, 1.1, 1.1, 1.1], 1, 5.2, down=0.2)
+    figure, axes = panel_grid([1.4, 1.1, 1.1, 1.1], 1, 5.2, down=0.2)
     newton = solved["pendulum"]
     t = newton.phase.time
     for (ax,), (name, label) in zip(axes, (("q", "angle $q$"), ("w", "rate $w$"), ("u", "torque $u$")), strict=False):
@@ -61,7 +61,7 @@ def trajectory(solved: Solutions) -> Figure:
 
 
 def poses(solved: Solutions) -> Figure:
-    figure, ((ax,),) = grid([3.2], 1, 3.8)
+    figure, ((ax,),) = panel_grid([3.2], 1, 3.8)
     stop_action(ax, solved["pendulum"].result, FRAMES)
     return figure
 

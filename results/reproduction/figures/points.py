@@ -9,7 +9,7 @@ from numpy.polynomial.legendre import Legendre
 from ....transcription.schemes.orthogonal import gauss, lobatto, radau_left
 from ....transcription.schemes.polynomials import barycentric_weights, integrated_basis, lagrange_basis
 from ...pictures.style import BLACK, BLUE, GREEN, VERMILION
-from .example import Example, Picture, Solutions, grid, largest
+from .example import Example, Picture, Solutions, largest, panel_grid
 
 DEGREE = 4
 # The schemes' segments are [0, 1], the paper's [-1, 1]; its Radau points, roots of P4 + P3, hold the left end. Its
@@ -53,7 +53,7 @@ def _weights(points: np.ndarray) -> np.ndarray:
 
 
 def three_sets(solved: Solutions) -> Figure:
-    figure, (row,) = grid([2.4], 3, 2.35, across=0.25)
+    figure, (row,) = panel_grid([2.4], 3, 2.35, across=0.25)
     t = np.linspace(-1, 1, 401)
     for ax, (name, points) in zip(row, POINTS.items(), strict=True):
         ax.plot(t, function(t), color=BLACK, linestyle="--", linewidth=1.3, label="function")

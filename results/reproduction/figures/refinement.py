@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ....transcription.schemes.table import TRAPEZOID
 from ...pictures.style import BLACK, BLUE, ORANGE, VERMILION, Numbers
-from .example import Example, Picture, Solutions, grid
+from .example import Example, Picture, Solutions, panel_grid
 
 EDGES = np.linspace(0, 1, 7)
 TOLERANCE = 0.015
@@ -52,7 +52,7 @@ def measure(solved: Solutions) -> dict[str, float]:
 
 
 def subdividing(solved: Solutions) -> Figure:
-    figure, axes = grid([2.1, 1.3], 2, 3.2, down=0.25, across=0.3)
+    figure, axes = panel_grid([2.1, 1.3], 2, 3.2, down=0.25, across=0.3)
     refined, counts = subdivide(EDGES, TOLERANCE)
     top = 1.1 * peak_errors(EDGES).max()
     for i, (edges, title) in enumerate(((EDGES, "before"), (refined, "after"))):

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ....transcription.schemes.scheme import Scheme
 from ....transcription.schemes.table import HERMITE_SIMPSON, TRAPEZOID
 from ...pictures.style import BLACK, BLUE, GREEN, GREY, VERMILION
-from .example import Example, Picture, Solutions, grid, largest
+from .example import Example, Picture, Solutions, largest, panel_grid
 
 SEGMENTS = 5
 FINE = np.linspace(0, 1, 101)
@@ -83,7 +83,7 @@ def quadratic(solved: Solutions) -> Figure:
 
 
 def _approximation(scheme: Scheme, name: str) -> Figure:
-    figure, ((ax,),) = grid([2.6], 1, 5.2)
+    figure, ((ax,),) = panel_grid([2.6], 1, 5.2)
     times, values, points = spline(scheme, SEGMENTS)
     ax.plot(times.ravel(), function(times).ravel(), color=BLACK, linestyle="--", linewidth=1.6, label="function")
     ax.plot(times.ravel(), values.ravel(), color=VERMILION, linewidth=1.6, label=name)
@@ -115,7 +115,7 @@ DEGREES = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 def _segment(scheme: Scheme, u: np.ndarray, f: np.ndarray) -> Figure:
     """One segment, of duration 1: control (left) and state with its slopes (right)."""
-    figure, ((left, right),) = grid([2.4], 2, 3.2, across=0.6)
+    figure, ((left, right),) = panel_grid([2.4], 2, 3.2, across=0.6)
     basis, n = scheme.interpolant(FINE), len(scheme.c)
     ends = {0.0: "k", 0.5: r"k+\frac{1}{2}", 1.0: "k+1"}
     names = [ends[c] for c in scheme.c]

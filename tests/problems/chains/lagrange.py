@@ -4,9 +4,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import sympy as sp
+from lazily import lazily
 
-ZERO = {"right": 0, "up": sp.pi / 2, "left": sp.pi, "down": -sp.pi / 2}
+sp = lazily("sympy")
+
+QUARTERS = {"right": 0, "up": 1, "left": 2, "down": -1}
 
 
 @dataclass
@@ -67,7 +69,7 @@ class Robot:
         return sum(link.moves for link in self.links) + {"fixed": 0, "cart": 1, "floating": 2}[self.base]
 
     @cached_property
-    def equations(self) -> list[sp.Expr]:
+    def equations(self) -> list["sp.Expr"]:
         z, v, a = self.z, self.v, self.a
         energy, potential, work, joints, tips, angles = 0, 0, 0, [], [], []
         moving = list(z)
@@ -80,9 +82,9 @@ class Robot:
         for link in self.links:
             before = angles[link.on] if link.on >= 0 else 0
             if link.turn is not None:
-                angle = (before if link.on >= 0 else ZERO[link.zero]) + link.turn
+                angle = (before if link.on >= 0 else QUARTERS[link.zero] * sp.pi / 2) + link.turn
             else:
-                angle = moving.pop(0) + (before if self.relative and link.on >= 0 else ZERO[link.zero])
+                angle = moving.pop(0) + (before if self.relative and link.on >= 0 else QUARTERS[link.zero] * sp.pi / 2)
                 work += link.torque * (angle - before)
             origin = base
             if link.on >= 0:

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-import sympy as sp
+from lazily import lazily
 from scipy.integrate import solve_ivp
 
 from trajopt.problems.chains.robots import ROBOTS
@@ -14,6 +14,8 @@ from trajopt.problems.schema.model import NAMES_OF_MODELS
 from trajopt.transcription.solution.implicit import consistent_inputs
 
 from .walker import CHAIN, LINKS, LOPSIDED, Q0, STRIDE, TABLE_4, G, T, biped
+
+sp = lazily("sympy")
 
 # -- mechanics, derived a second time: a chain that floats freely, by Lagrange ---
 

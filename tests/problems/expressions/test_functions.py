@@ -19,7 +19,7 @@ from trajopt.problems.expressions.expression import parse
 from trajopt.problems.expressions.functions import EITHER, FUNCTIONS, NEGATIVE, POSITIVE
 from trajopt.problems.expressions.smooth import TANH, smooth_abs
 from trajopt.results.verify import verify
-from trajopt.transcription.export.formula import Printer, name
+from trajopt.transcription.export.formula import Printer, tex_name
 from trajopt.transcription.program.pointwise import PointFunctions
 
 ROWS = [row for row in FUNCTIONS.values() if row.arguments == (1, 1)]
@@ -89,7 +89,7 @@ def test_symengine_knows_it_with_both_derivatives(row):
 def test_its_command_is_printed(row):
     model = pyo.ConcreteModel()
     model.x = pyo.Var()
-    printed = Printer({id(model.x): name("x", "1")})(row.evaluate(pyo, [model.x])).text
+    printed = Printer({id(model.x): tex_name("x", "1")})(row.evaluate(pyo, [model.x])).text
     assert bool(row.latex) != bool(row.composed)
     assert printed.startswith(row.latex) and "x_{1}" in printed
 

@@ -8,6 +8,7 @@ import pytest
 
 from trajopt.problems.expressions.evaluation import Walk
 from trajopt.problems.expressions.expression import parse, together
+from trajopt.problems.probe import depends_on, names_asked
 
 from .texts import NAMES, random_text
 
@@ -55,6 +56,18 @@ def test_functions_that_are_no_expressions_are_called_one_by_one():
 def test_a_parameter_counts_unless_it_is_among_the_values():
     own = parse("k*x").bind({"k": 3.0}, {})
     assert (own({"x": 2.0}, np), own({"x": 2.0, "k": 5.0}, np)) == (6.0, 10.0)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_names_that_are_asked_for_are_those_of_a_call(seed):
+    """An expression has a list of them; of any other function they are found out by a call."""
+    rng = random.Random(seed)
+    definitions = {"a": parse(random_text(rng, 3)), "b": parse("a*q1 + 0*y")}
+    for text in (random_text(rng, 3), "b[final] - x[initial]", "0*u_max + a", "2*pi"):
+        own = parse(text).bind({"u_max": 2.5}, definitions)
+        called = names_asked(lambda values, functions, own=own: own(values, functions))
+        assert names_asked(own) == called
+        assert not depends_on(own, {"absent", *NAMES} - called)
 
 
 def test_values_are_not_held_when_nothing_needs_them_any_more():

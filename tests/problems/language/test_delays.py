@@ -10,7 +10,7 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load
-from trajopt.transcription.collocation.delays import interpolation, rows_of
+from trajopt.transcription.collocation.delays import delay_rows, interpolation
 from trajopt.transcription.loading import load_yaml
 from trajopt.transcription.settings import Step
 from trajopt.transcription.solve import solve
@@ -79,11 +79,11 @@ def test_the_rows_are_the_interpolant_of_the_scheme(name, degree):
 
 def test_which_points_see_the_history_and_who_owns_a_row():
     mesh = Step("hermite-simpson", 4, 1e-8).mesh()
-    past, rows = rows_of(mesh, 0.25)
+    past, rows = delay_rows(mesh, 0.25)
     assert past.tolist() == [0, 1] and rows.point.tolist() == [2, 3, 4, 5, 6, 7, 8]
     assert rows.knot.tolist() == [0, -1, 1, -1, 2, -1, 3]
     assert rows.before.tolist() == [0.5] * 6 + [1.0] and rows.after[-1] == 0
-    past, rows = rows_of(
+    past, rows = delay_rows(
         Step("radau", 4, 1e-8, degree=2).mesh(), 0.25
     )  # its points look back from the end of a segment
     assert past.tolist() == [1, 2] and rows.segment.tolist() == [0, 0, 1, 1, 2, 2]

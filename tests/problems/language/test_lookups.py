@@ -7,7 +7,7 @@ import pytest
 
 from trajopt.problems.tables.table import fitted
 from trajopt.transcription.program import lookups
-from trajopt.transcription.program.lookups import Cells, Filled, Lookup, Repeats, se
+from trajopt.transcription.program.lookups import Cells, CompiledLookup, Filled, Repeats, se
 
 RANDOM = np.random.default_rng(3)
 
@@ -44,7 +44,7 @@ def filled(own, numbers: int, steps: np.ndarray) -> tuple[np.ndarray, int]:
     """
     size, _, n = steps.shape
     given = [[se.Symbol(f"x{k}_{i}") for i in range(n)] for k in range(numbers)]
-    asked = [Lookup(k, own, tuple(row)) for k, row in enumerate(given)]
+    asked = [CompiledLookup(k, own, tuple(row)) for k, row in enumerate(given)]
     symbols = [symbol for row in given for symbol in row]
     code = lookups.lambdify([*symbols, se.Symbol("free")], symbols, "lambda")
     family = Filled(asked, [lambda arguments: code(arguments[:, : len(symbols) + 1])], len(symbols) + 1, "lambda")

@@ -6,7 +6,7 @@ from command_line import trajopt
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 from trajopt.problems.units.check import check_units
-from trajopt.problems.units.measure import MAX_LENGTH, alike, measured, same
+from trajopt.problems.units.measure import MAX_LENGTH, alike, measure_of, same
 from trajopt.transcription.loading import load_yaml
 
 GOOD = """\
@@ -166,15 +166,15 @@ def test_all_mistakes_at_once():
     ["9**9**9", "m**(9**9**9)", "m^999999", "1e999 m", "(((", "m; import os", "0 m", "m" * (MAX_LENGTH + 1), "m/"],
 )
 def test_a_strange_text_is_no_unit(text):
-    assert measured(text) is None
+    assert measure_of(text) is None
 
 
 def test_units_are_compared_with_their_scales():
-    assert same(measured("slug*ft/s^2"), measured("lbf")) and same(measured("N*m/rad"), measured("Nm"))
-    assert same(measured("kg/(mg*day)").times(measured("mg/kg")), measured("1/day"))
-    assert alike(measured("km"), measured("m")) and not same(measured("km"), measured("m"))
-    assert not alike(measured("m"), measured("s")) and measured("deg").pure and measured("degC/s").scale == 1
-    assert str(measured("m").over(measured("N*s^2"))) == "1/kg" and str(measured("-")) == "a pure number"
+    assert same(measure_of("slug*ft/s^2"), measure_of("lbf")) and same(measure_of("N*m/rad"), measure_of("Nm"))
+    assert same(measure_of("kg/(mg*day)").times(measure_of("mg/kg")), measure_of("1/day"))
+    assert alike(measure_of("km"), measure_of("m")) and not same(measure_of("km"), measure_of("m"))
+    assert not alike(measure_of("m"), measure_of("s")) and measure_of("deg").pure and measure_of("degC/s").scale == 1
+    assert str(measure_of("m").over(measure_of("N*s^2"))) == "1/kg" and str(measure_of("-")) == "a pure number"
 
 
 def test_the_command_line_tells_it_and_solve_does_not_ask(tmp_path):

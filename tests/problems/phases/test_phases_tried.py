@@ -200,3 +200,27 @@ def test_conditions_between_phases_have_a_price(methods, tmp_path):
     summary = summarize(written(solution, spec, tmp_path))
     assert summary["prices"] == pytest.approx(exact, abs=1e-6)
     assert "gate" not in summary["phases"]["a"]["prices"]
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        'links: [{from: first, to: second}, {expression: "f(first.x[final])", equals: 0.25}]',
+        'constraints: {boundary: [{expression: "f(x[final])", lower: 0.9}]}',
+        'phases.second.constraints.boundary: [{expression: "f(x[final])", lower: 0.9}]',
+    ],
+)
+def test_a_table_that_only_the_ends_use_is_used(use):
+    tables = "tables: {f: {points: {x: [0, 1, 2]}, values: [0, 1, 4], outside: hold}}\n"
+    key, _, value = use.partition(": ")
+    own = [f"{key}={value}"] if "." in key else []
+    spec = loaded(MOVE + tables + ("" if own else use), *own)
+    assert not spec.warnings
+    assert [w.what for w in loaded(MOVE + tables).warnings] == ["the table f is used nowhere"]
+
+
+def test_the_table_of_meshes_names_the_methods_of_all_phases(tmp_path):
+    spec = loaded(MOVE, "phases.first.mesh=[{method: radau, segments: 3}]")
+    summary = summarize(written(solve(build(spec), schedule_of(spec)), spec, tmp_path))
+    assert [mesh["method"] for mesh in summary["meshes"]] == ["radau, hermite-simpson"]
+    assert [phase["method"] for phase in summary["phases"].values()] == ["radau", "hermite-simpson"]

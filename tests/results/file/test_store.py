@@ -10,8 +10,8 @@ from textwrap import dedent
 import h5py
 import numpy as np
 import pytest
-import xarray
 from exact import fixed, growth
+from lazily import lazily
 from repository import ROOT
 from stored import save, solved
 
@@ -27,6 +27,8 @@ from trajopt.results.file.write import write
 from trajopt.transcription.engines.outcome import COLUMNS
 from trajopt.transcription.settings import Step, settings_of, steps
 from trajopt.transcription.solve import solve
+
+xarray = lazily("xarray")
 
 PARTS = ["build", "differentiate", "compile", "assemble", "evaluate", "linear_algebra", "error", "elsewhere"]
 

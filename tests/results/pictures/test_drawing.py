@@ -13,7 +13,7 @@ from trajopt.problems.errors import SpecError
 from trajopt.results.file.bounds import bounds_of
 from trajopt.results.file.read import read
 from trajopt.results.pictures.animate import scene
-from trajopt.results.pictures.overlay import CYCLE, overlay_figure, plane_figure
+from trajopt.results.pictures.overlay import CYCLE, overlay_figure, path_in_plane
 from trajopt.results.pictures.style import GREY
 from trajopt.transcription.loading import load_yaml
 
@@ -86,7 +86,7 @@ def test_film_and_poses(result, folder):
 
 
 def test_one_quantity_against_another_with_the_obstacles(result):
-    figure = plane_figure([read(result)], "x", "y")
+    figure = path_in_plane([read(result)], "x", "y")
     (ax,) = figure.axes
     assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_aspect()) == ("x [m]", "y [m]", 1)
     assert [patch.get_radius() for patch in ax.patches] == [0.2]

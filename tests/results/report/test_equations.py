@@ -8,7 +8,7 @@ from named import share
 from trajopt.problems.build import build
 from trajopt.problems.catalog import find_problem, shipped
 from trajopt.problems.load import load, load_text
-from trajopt.results.report.mathematics import parameters, shown
+from trajopt.results.report.mathematics import parameters, shown_equations
 from trajopt.transcription.export.equations import equations
 from trajopt.transcription.export.written import Notation, Writer
 
@@ -95,7 +95,7 @@ def test_names_that_would_look_the_same_are_spelled():
 @pytest.mark.parametrize("name", share([*shipped()], 3, 1))
 def test_every_shipped_problem_is_mathml(name):
     spec = load(find_problem(name))
-    found = shown(spec, build(spec))
+    found = shown_equations(spec, build(spec))
     assert {"Dynamics", "Objective", "Between phases"} & {group.title.partition(",")[0] for group in found}
     for lines in (lines for group in found for lines in group.equations):
         for line in lines:

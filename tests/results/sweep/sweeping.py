@@ -6,7 +6,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 from trajopt.results.sweep import dataset, run, tables
-from trajopt.results.sweep.axes import parse
+from trajopt.results.sweep.axes import parse_axis
 from trajopt.results.sweep.case import solve_case
 from trajopt.results.sweep.plan import grid
 from trajopt.results.sweep.store import Store, about
@@ -25,7 +25,7 @@ mesh: [{method: hermite-simpson, segments: 4}]
 """
 
 
-PLAN = grid([parse("parameters.l=1,2,3"), parse("mesh.0.method=trapezoid,hermite-simpson")])
+PLAN = grid([parse_axis("parameters.l=1,2,3"), parse_axis("mesh.0.method=trapezoid,hermite-simpson")])
 
 
 class Inline:

@@ -8,7 +8,7 @@ from command_line import trajopt
 
 from trajopt.problems.errors import FileError, SpecError
 from trajopt.results.sweep import store as store_module
-from trajopt.results.sweep.axes import parse
+from trajopt.results.sweep.axes import parse_axis
 from trajopt.results.sweep.plan import grid
 from trajopt.results.sweep.store import Store, about
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("folder")
 
 OTHERS = {
     "problem file": {"text": TEXT + "\n# a comment\n"},
-    "axes": {"plan": grid([parse("parameters.l=1,2")])},
+    "axes": {"plan": grid([parse_axis("parameters.l=1,2")])},
     "chaining": {"chain": True},
 }
 

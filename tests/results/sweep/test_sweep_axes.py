@@ -6,10 +6,10 @@ import pytest
 from command_line import trajopt
 
 from trajopt.problems.errors import SpecError
-from trajopt.results.sweep.axes import axis_of, parse
+from trajopt.results.sweep.axes import axis_of, parse_axis
 from trajopt.results.sweep.check import looked_at
 from trajopt.results.sweep.dataset import dimensions
-from trajopt.results.sweep.plan import grid, listed, sampled, zipped
+from trajopt.results.sweep.plan import grid, listed_in_file, sampled, zipped
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.usefixtures("folder")
     ],
 )
 def test_values(text, values):
-    assert parse(text).values == values
+    assert parse_axis(text).values == values
 
 
 def test_a_section_of_a_file_says_the_same():
@@ -123,22 +123,22 @@ def test_mistakes_in_a_table(content, code, sentence):
 
 
 def test_a_grid_and_the_neighbours_in_it():
-    plan = grid([parse("a=1,2,3"), parse("b=x,y")])
+    plan = grid([parse_axis("a=1,2,3"), parse_axis("b=x,y")])
     assert plan.shape == (3, 2)
     assert [plan.overrides(n) for n in (0, 1, 2)] == [["a=1", "b=x"], ["a=1", "b=y"], ["a=2", "b=x"]]
     assert [plan.before(n) for n in range(6)] == [None, 0, 0, 2, 2, 4]
 
 
 def test_zipped_and_listed():
-    plan = zipped([parse("a=1:3:3"), parse("b=x,y,z")])
+    plan = zipped([parse_axis("a=1:3:3"), parse_axis("b=x,y,z")])
     assert (plan.shape, plan.overrides(2), plan.before(2)) == ((3,), ["a=3", "b=z"], 1)
     Path("cases.csv").write_text('a,b\n1, "[1, 2]"\n2,y\n')
-    plan = listed(Path("cases.csv"))
+    plan = listed_in_file(Path("cases.csv"))
     assert plan.shape == (2,) and plan.overrides(1) == ["a=2", "b=y"]
 
 
 def test_a_latin_hypercube_has_one_case_in_each_part_and_is_the_same_again():
-    axes = [parse("a=0:10", True), parse("b=log:1:16:9"), parse("c=x,y")]
+    axes = [parse_axis("a=0:10", True), parse_axis("b=log:1:16:9"), parse_axis("c=x,y")]
     plan = sampled(axes, 8, 3)
     first = sorted(float(value) for value in plan.axes[0].values)
     assert [int(value / 1.25) for value in first] == list(range(8))
@@ -148,11 +148,11 @@ def test_a_latin_hypercube_has_one_case_in_each_part_and_is_the_same_again():
 
 
 def test_few_cases_of_a_large_sweep_are_looked_at_before_it_starts():
-    plan = grid([parse("a=0:1:1000"), parse("b=x,y,z")])
+    plan = grid([parse_axis("a=0:1:1000"), parse_axis("b=x,y,z")])
     assert [plan.overrides(n) for n in looked_at(plan)] == [
         ["a=0.0", "b=x"], ["a=0.0", "b=y"], ["a=0.0", "b=z"], ["a=0.4994994994995", "b=x"], ["a=1.0", "b=x"]
     ]  # fmt: skip
-    assert len(looked_at(sampled([parse("a=0:1", True), parse("b=0:1", True)], 1000, 0))) <= 5
+    assert len(looked_at(sampled([parse_axis("a=0:1", True), parse_axis("b=0:1", True)], 1000, 0))) <= 5
 
 
 def test_names_of_dimensions():
@@ -165,6 +165,6 @@ def test_errors_survive_the_way_between_processes():
     import pickle
 
     with pytest.raises(SpecError) as error:
-        parse("a=1:2")
+        parse_axis("a=1:2")
     again = pickle.loads(pickle.dumps(error.value))
     assert again.mistakes == error.value.mistakes and str(again) == str(error.value)

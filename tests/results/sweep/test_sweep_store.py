@@ -10,7 +10,7 @@ import pytest
 
 from trajopt.problems.catalog import shipped
 from trajopt.results.file.summary import summarize
-from trajopt.results.sweep.axes import parse
+from trajopt.results.sweep.axes import parse_axis
 from trajopt.results.sweep.case import INTERRUPTED, WORKER_DIED, Task, solve_case, watch
 from trajopt.results.sweep.plan import grid, sampled
 
@@ -68,7 +68,7 @@ def test_xarray_opens_it():
     with xarray.open_dataset("s/sweep.h5", engine="h5netcdf") as data:
         assert dict(data.sizes) == {"l": 3, "method": 2}
         assert float(data["objective"].sel({"l": 2, "method": "hermite-simpson"})) == pytest.approx(48)
-    swept("t", sampled([parse("parameters.l=1:3", True), parse("parameters.T=1:2", True)], 3, 0))
+    swept("t", sampled([parse_axis("parameters.l=1:3", True), parse_axis("parameters.T=1:2", True)], 3, 0))
     with xarray.open_dataset("t/sweep.h5", engine="h5netcdf") as data:
         assert dict(data.sizes) == {"case": 3} and {"case", "l", "T"} == set(data.coords)
         np.testing.assert_allclose(data["objective"], 12 * data["l"] ** 2 / data["T"] ** 3, rtol=1e-3)
@@ -134,7 +134,7 @@ def test_half_written_files_are_removed():
 
 def test_a_failed_case_is_solved_again():
     text = TEXT.replace("upper: 20", "upper: 30").replace("lower: -20", "lower: -30")
-    plan = grid([parse("parameters.l=1,9")])
+    plan = grid([parse_axis("parameters.l=1,9")])
     records, _ = swept(plan=plan, text=text)
     assert [record["solved"] for record in records.values()] == [True, False]
     assert records[1]["status"] != "solved" and records[1]["objective"] is not None and records[1]["message"]
@@ -142,7 +142,7 @@ def test_a_failed_case_is_solved_again():
 
 
 def test_a_mistake_or_a_bug_in_a_case_is_its_record():
-    plan = grid([parse("parameters.T=1,-1")])
+    plan = grid([parse_axis("parameters.T=1,-1")])
     records, _ = swept(plan=plan)
     assert (records[1]["status"], records[1]["key"]) == ("mistake", "")
     assert records[1]["message"].startswith("--over parameters.T=-1: push.yaml:5: time")
@@ -175,7 +175,7 @@ def test_a_chain_goes_from_neighbour_to_neighbour_and_is_the_same_after_an_inter
 
 
 def test_a_chain_goes_around_a_case_that_failed():
-    plan = grid([parse("parameters.l=1,9,2")])
+    plan = grid([parse_axis("parameters.l=1,9,2")])
     records, _ = swept(plan=plan, chain=True)
     assert [record["start"] for record in records.values()] == ["guess", "guess", "case 0"]
     assert [record["solved"] for record in records.values()] == [True, False, True]
@@ -199,7 +199,7 @@ def test_a_stopped_solve_is_no_result():
 
     watch(Flag())
     try:
-        records, tasks = swept(plan=grid([parse("parameters.l=1,2")]), stop_after=0)
+        records, tasks = swept(plan=grid([parse_axis("parameters.l=1,2")]), stop_after=0)
         assert (records, tasks) == ({}, [])
         answer = solve_case(Task(0, {"parameters.u_max": "9"}, shipped()["cartpole"].read_text(), "c.yaml", ()))
         assert answer.record["status"] == INTERRUPTED

@@ -6,7 +6,7 @@ import pyomo.core as pyomo
 import pytest
 from pyomo.core import ConcreteModel, Var
 
-from trajopt.transcription.export.formula import LINE, Printer, lines, name, number
+from trajopt.transcription.export.formula import LINE, Printer, lines, tex_name, tex_number
 from trajopt.transcription.program.symbolic import SYMENGINE
 
 from .exported import evaluate_tex
@@ -14,7 +14,7 @@ from .exported import evaluate_tex
 MODEL = ConcreteModel()
 MODEL.x, MODEL.y, MODEL.z = Var(), Var(), Var()
 X, Y, Z = MODEL.x, MODEL.y, MODEL.z
-NAMES = {id(X): name("x", "q1", "3"), id(Y): name("u", "force_2", "0"), id(Z): name("p", "z")}
+NAMES = {id(X): tex_name("x", "q1", "3"), id(Y): tex_name("u", "force_2", "0"), id(Z): tex_name("p", "z")}
 A, B, C = r"x_{q1,3}", r"u_{\mathrm{force\_2},0}", r"p_{z}"
 
 
@@ -65,7 +65,7 @@ def test_every_function_of_a_problem_has_a_command():
     [(2, "2"), (0.1, "0.1"), (1 / 3, "0.3333333333333333"), (1e16, "10^{16}"), (-1.5e-7, r"- 1.5\cdot 10^{-7}")],
 )
 def test_numbers_are_the_shortest_that_mean_the_same(x, text):
-    assert lines(number(x)) == [text]
+    assert lines(tex_number(x)) == [text]
 
 
 def test_long_formulas_are_broken_where_they_may_be():

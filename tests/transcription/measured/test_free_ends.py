@@ -113,6 +113,8 @@ phases:
     assert solution.trajectories[0].t[1] == pytest.approx(np.log(5 * c), rel=1e-7)
     with pytest.raises(SpecError, match=r"let a phase end at t = 0\.5, the last of them, and another go on from there"):
         load_text(text.replace("[0, 0]", "[0, 0.5]"), "x.yaml")
+    with pytest.raises(SpecError, match=r"begin the phase at t = 4, the first of them, where one before it ends; or"):
+        load_text(text.replace("[5], x: [0.02]", "[4, 5], x: [0.1, 0.02]"), "x.yaml")
 
 
 CONTROLLED = """\

@@ -113,11 +113,22 @@ def test_what_turns_once_in_each_segment_chatters_where_it_does_so_often(bang_ba
     for values, chatters in (
         (0.1 * (k % 4 == 3), True),
         (k / len(k) + 0.1 * (k % 4 == 3), True),
-        (0.1 * (k % 4 == 3) * (k < 40), False),  # ten times
+        (k / len(k) + 0.1 * (k % 4 == 3) * (k < 40), False),  # ten times
         (1.0 * (k % 8 < 4), False),  # a switch at each knot
     ):
         trajectory.u[0, known] = values
         assert bool(chatter([trajectory], found.transcription)) == chatters
+
+
+@pytest.mark.parametrize(("count", "chatters"), [(12, True), (6, False)])
+def test_single_points_that_stand_out_by_half_of_the_range_chatter_wherever_they_are(bang_bang, count, chatters):
+    """A feed that is on at one point of some segments: the scheme's equations gain by it, the problem does not."""
+    (trajectory,), transcription = bang_bang.trajectories, bang_bang.transcription
+    known = np.flatnonzero(transcription.phases[0].u[0] >= 0)
+    values = np.zeros(len(known))
+    values[np.cumsum(np.resize([2, 4, 3], count)) + 1] = 1.0  # never twice as near as NEAR in a row
+    trajectory.u[0, known] = values
+    assert bool(chatter([trajectory], transcription)) is chatters
 
 
 ELBOW = """\

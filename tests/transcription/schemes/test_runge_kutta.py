@@ -5,7 +5,7 @@ import pytest
 from exact import GROWTH_OBJECTIVE, growth, growth_costate, growth_state, integration, integration_state
 from shooting import SCHEME
 
-from trajopt.transcription.schemes.runge_kutta import CLASSICAL, CONTROLS, TABLES, Table, order_conditions
+from trajopt.transcription.schemes.runge_kutta import CLASSICAL, CONTROLS, TABLES, ButcherTable, order_conditions
 from trajopt.transcription.schemes.shooting import Shooting
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step
@@ -42,7 +42,7 @@ def test_row_sums_and_weights_as_published():
 
 def test_an_implicit_table_is_refused():
     with pytest.raises(ValueError, match="strictly lower"):
-        Table("midpoint", 2, np.array([[0.5]]), np.ones(1), "")
+        ButcherTable("midpoint", 2, np.array([[0.5]]), np.ones(1), "")
 
 
 @pytest.mark.parametrize("control", CONTROLS)

@@ -5,7 +5,7 @@ import pytest
 from named import COLLOCATION, FAMILIES
 
 from trajopt.problems.errors import SpecError
-from trajopt.transcription.schemes.polynomials import integrated_basis, lagrange_basis
+from trajopt.transcription.schemes.polynomials import LARGEST, integrated_basis, lagrange_basis
 from trajopt.transcription.schemes.scheme import Scheme
 from trajopt.transcription.schemes.table import FINITE_DIFFERENCE, HERMITE_SIMPSON, TRAPEZOID, find
 
@@ -195,3 +195,16 @@ def test_a_scheme_that_contradicts_itself_is_refused(change):
 def test_an_unknown_method_gets_the_nearest_name():
     with pytest.raises(SpecError, match="did you mean hermite-simpson"):
         find("hermite-simson")
+
+
+@pytest.mark.parametrize("basis", [lagrange_basis, integrated_basis])
+def test_values_of_a_basis_that_are_kept_are_those_of_their_nodes_and_places(basis):
+    """Those of many places are not kept, and so are computed each time: part by part they are the same."""
+    places = np.linspace(0, 1, LARGEST + 3)
+    for nodes in ([0.0, 0.5, 1.0], [0.0, 0.25, 1.0], [0.0, 1.0]):
+        c = np.array(nodes)
+        kept = np.vstack([basis(c, part) for part in np.array_split(places, 7)])
+        np.testing.assert_array_equal(kept, basis(c, places))
+        assert basis(c, places[:5]) is basis(c, places[:5].copy())
+        with pytest.raises(ValueError, match="read-only"):
+            basis(c, places[:5])[0] = 0.0

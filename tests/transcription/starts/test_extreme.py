@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 import trajopt
+from trajopt.problems.build import build
+from trajopt.problems.load import load_text
 from trajopt.results.verify import verify
+from trajopt.transcription.settings import schedule_of, settings_of
+from trajopt.transcription.solve import solve
+from trajopt.transcription.starts.extreme import _is_quadrature
 
 OFFSET = """
 trajopt: 1
@@ -115,3 +120,58 @@ def test_an_orbit_is_found_in_any_unit(length, second):
     found = trajopt.solve(trajopt.load(ORBIT.replace("LENGTH", repr(length)).replace("SECOND", repr(second))))
     assert found.solved and sum(mesh.iterations for mesh in found.meshes) < 60
     assert found.objective / second == pytest.approx(30324.2542, rel=1e-7)
+
+
+TRAIN = """
+trajopt: 1
+parameters: {M: 200, A: 2.0, B: 0.03, scale: 1}
+states:
+  s: {rate: v, initial: 0, final: 2000}
+  v: {rate: "(scale*F - A - B*v**2)/M", initial: 0, final: 0, lower: 0, upper: 30}
+controls: {F: {lower: -200/scale, upper: 200/scale}}
+integrals: {effort: F**2}
+time: {initial: 0, final: {lower: 80, upper: 200, guess: 120}}
+phases: {go: {time: {final: 40}}, cruise: {time: {final: 70}, states: {v: {lower: 15}}}, brake: {}}
+objective: {minimize: {terminal: "scale**2*integral.effort/(s[final]*100) + t[final]/10"}}
+mesh: [{method: radau, segments: 10}]
+"""
+
+
+@pytest.mark.parametrize(
+    "override", ["parameters.scale=1", "parameters.scale=0.1", "parameters.A=3", "time.final.guess=90"]
+)
+def test_an_integral_of_any_size_is_no_trouble(override):
+    """Its value follows from the rest; with F = 0 at the start it is known to be large by the bounds of F alone."""
+    ratio = run(TRAIN, override)
+    plain = TRAIN.replace("scale**2*integral.effort/(s[final]*100) + ", "")
+    plain = plain.replace("{terminal", '{integral: "scale**2*F**2/200000", terminal')
+    assert ratio.objective == pytest.approx(run(plain, override).objective, rel=1e-7)
+    of_size_one = run(TRAIN, override, "scaling={effort: 1}")
+    assert ratio.meshes[0].iterations < of_size_one.meshes[0].iterations  # 25 to 33 for 36 to 53
+
+
+def run(text: str, *overrides: str):
+    spec = load_text(text, "train.yaml", overrides)
+    solution = solve(build(spec), schedule_of(spec), settings_of(spec))
+    assert solution.solved
+    return solution
+
+
+@pytest.mark.parametrize(
+    ("integral", "found"), [("F**2", ["s", "effort"]), ("F**2 + s", ["effort"]), ("F**2 + v*effort", ["s"])]
+)
+@pytest.mark.parametrize("residual", ["residuals=[z - F]", "residuals=[z - F, {expression: w - F}]"])
+def test_residuals_do_not_hide_a_quadrature(integral, found, residual):
+    own = [f"integrals.effort={integral}", "algebraic={z: {}}" if "w" not in residual else "algebraic={z: {}, w: {}}"]
+    phase = build(load_text(TRAIN, "train.yaml", [*own, residual])).phases[0]
+    assert [own.name for own in phase.states if _is_quadrature(phase, own)] == found
+    seen = build(load_text(TRAIN, "train.yaml", [*own, residual.replace("z - F", "z - F - effort")])).phases[0]
+    assert "effort" not in [own.name for own in seen.states if _is_quadrature(seen, own)]
+
+
+@pytest.mark.parametrize(
+    ("integral", "found"), [("F**2", ["s", "effort"]), ("F**2 + s", ["effort"]), ("F**2 + v*effort", ["s"])]
+)
+def test_only_what_nothing_over_time_depends_on_is_a_quadrature(integral, found):
+    phase = build(load_text(TRAIN, "train.yaml", [f"integrals.effort={integral}"])).phases[0]
+    assert [own.name for own in phase.states if _is_quadrature(phase, own)] == found

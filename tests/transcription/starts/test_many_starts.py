@@ -10,7 +10,7 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.transcription.settings import schedule_of, settings_of
 from trajopt.transcription.solve import solve
-from trajopt.transcription.starts.drawn import NODES, drawn_starts, told
+from trajopt.transcription.starts.drawn import NODES, drawn_starts, told_of_starts
 
 # x**4 - x**2 + 0.2 x at the end has two local minima; the start leads to the lesser one.
 WELLS = """
@@ -68,7 +68,7 @@ def test_the_same_seed_gives_the_same_starts_within_the_bounds():
 
 
 def test_many_optima_are_told_in_few_words():
-    words = told([*map(float, range(10)), 3.00001, None, None], sense=-1)
+    words = told_of_starts([*map(float, range(10)), 3.00001, None, None], sense=-1)
     assert words == (
         "13 starts on the first mesh led to 9 (1), 8 (1), 7 (1), 6 (1), 5 (1), 4 (1), 4 more optima, not solved (2); "
         "the best is kept"

@@ -14,7 +14,7 @@ from trajopt.transcription.continuation import solve_spec
 from trajopt.transcription.engines.outcome import Start, Status
 from trajopt.transcription.layout import bounded_start
 from trajopt.transcription.loading import build_checked, load_yaml
-from trajopt.transcription.starts.near import Near, near, solved_from
+from trajopt.transcription.starts.near import Near, solved_from, what_is_left
 from trajopt.transcription.transcribe import program
 
 SWING = """
@@ -57,7 +57,7 @@ def foretold(solved, *overrides):
     """The objective that a solution foretells, for the problem with other numbers."""
     _, problems = built(*overrides)
     transcription, nlp, _ = program(problems[0], [t.mesh for t in solved.trajectories], solved.trajectories)
-    left = near(solved)
+    left = what_is_left(solved)
     assert left.fits(transcription, nlp)
     return left.foretold(nlp, *bounded_start(transcription))
 
@@ -79,7 +79,7 @@ def test_the_objective_is_foretold_to_the_second_order(solved, path, value):
 
 @pytest.mark.parametrize("changed", ["time.final=2.02", "parameters.u_max=12.2"])
 def test_multipliers_save_iterations_and_lead_to_the_same_point(solved, changed):
-    plain, warm = again(solved, None, changed), again(solved, near(solved), changed)
+    plain, warm = again(solved, None, changed), again(solved, what_is_left(solved), changed)
     assert warm.solved and warm.outcome.count < 0.8 * plain.outcome.count
     assert warm.objective == pytest.approx(plain.objective, rel=1e-8)
     assert warm.outcome.z == pytest.approx(plain.outcome.z, abs=1e-3)
@@ -89,19 +89,19 @@ def test_multipliers_save_iterations_and_lead_to_the_same_point(solved, changed)
 def test_a_neighbour_is_not_close_that_passes_a_bound_or_is_much_better(solved, changed):
     """There multipliers would cost iterations, up to four times as many."""
     assert np.isnan(foretold(solved, changed))
-    plain, warm = again(solved, None, changed), again(solved, near(solved), changed)
+    plain, warm = again(solved, None, changed), again(solved, what_is_left(solved), changed)
     assert np.array_equal(plain.outcome.z, warm.outcome.z) and plain.outcome.count == warm.outcome.count
 
 
 @pytest.mark.parametrize("mesh", ["{method: hermite-simpson, segments: 21}", "{method: trapezoid, segments: 20}"])
 def test_multipliers_of_another_mesh_are_left_alone(solved, mesh):
-    plain, warm = (again(solved, left, f"mesh=[{mesh}]") for left in (None, near(solved)))
+    plain, warm = (again(solved, left, f"mesh=[{mesh}]") for left in (None, what_is_left(solved)))
     assert np.array_equal(plain.outcome.z, warm.outcome.z) and plain.meshes[0].iterations == warm.meshes[0].iterations
 
 
 def test_multipliers_that_lead_nowhere_are_dropped_and_their_iterations_count(solved):
     plain = again(solved, None, "time.final=2.02")
-    wrong = near(solved)
+    wrong = what_is_left(solved)
     y = 1e9 * np.sin(np.arange(len(wrong.start.y)))
     wrong = Foretelling(wrong.points, wrong.objective, Start(y, wrong.start.z_lower, wrong.start.z_upper))
     warm = again(solved, wrong, "time.final=2.02")
@@ -127,7 +127,7 @@ def test_what_is_worse_than_foretold_is_solved_without_multipliers_and_the_bette
 ):
     """times: the objective, of which the neighbour foretells 10 %, or the other way round."""
     transcription, nlp, _ = program(solved.problem, [t.mesh for t in solved.trajectories], solved.trajectories)
-    left = near(solved)
+    left = what_is_left(solved)
     record = {"iteration": np.arange(10)}
     outcomes = iter(replace(solved.outcome, status=s, objective=solved.objective * v / 50, iterations=record)
                     for s, v in filter(None, (first, second)))  # fmt: skip
@@ -168,8 +168,8 @@ def test_foreign_multipliers_are_no_multipliers(solved):
     with pytest.raises(BROKEN):
         unpacked(packed(one.record, replace(one.left, near=text)))
     for wrong in (np.nan, np.inf):
-        y = np.full_like(near(solved).start.y, wrong)
-        strange = replace(near(solved), start=replace(near(solved).start, y=y))
+        y = np.full_like(what_is_left(solved).start.y, wrong)
+        strange = replace(what_is_left(solved), start=replace(what_is_left(solved).start, y=y))
         plain, warm = (again(solved, own, "time.final=2.02") for own in (None, strange))
         assert np.array_equal(plain.outcome.z, warm.outcome.z)
 

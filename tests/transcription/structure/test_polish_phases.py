@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from trajopt.problems.load import load_text
-from trajopt.problems.phases.split import Part
+from trajopt.problems.phases.split import PhasePart
 from trajopt.problems.phases.split_each import split
 from trajopt.results.file.write import write
 from trajopt.results.polish.polish import polish
@@ -97,7 +97,7 @@ def test_each_phase_becomes_its_arcs(text, exact, phases, within, tmp_path):
 
 def test_what_a_phase_says_of_its_ends_is_said_of_its_first_and_last_arc():
     spec = load_text(LEGS, "x.yaml")
-    parts = {"out": [Part(1.0, {"u": UPPER}), Part(2.0, {"u": LOWER})], "back": [Part(4.0)]}
+    parts = {"out": [PhasePart(1.0, {"u": UPPER}), PhasePart(2.0, {"u": LOWER})], "back": [PhasePart(4.0)]}
     again = load_text(split(spec, parts, 1e-10, 1e-9), "y.yaml")
     assert list(again.phases) == ["out_1", "out_2", "back"]
     told = [own.expression.text for own in again.constraints.boundary]

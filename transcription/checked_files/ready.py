@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ...problems.errors import Mistake
 from ...problems.lean.records import dataclass
 from ...problems.problem import Curves, Problem
-from ..cache.kept import keep, load, name
+from ..cache.kept import keep, load_kept, name_of_kept
 from ..engines.table import check_engine_options
 from ..loading import build_checked, load_all, load_yaml
 from ..settings import Settings, Step
@@ -83,12 +83,12 @@ def ready_all(files: Sequence[str], given: Sequence[str] = (), stdin: str | None
     found = [own for own in known if own is not None]
     if len(found) == len(files):
         return found
-    from ...problems.tables.columns import opened
+    from ...problems.tables.columns import opened_table
 
-    before = opened()
+    before = opened_table()
     specs = load_all(files, given, stdin)
     made = [ready(spec, problems, given) for spec, problems in zip(specs, build_checked(specs), strict=True)]
-    if stdin is None and opened() == before:  # a CSV file may be another the next time
+    if stdin is None and opened_table() == before:  # a CSV file may be another the next time
         for own in made:
             if own.direct:
                 keep(_name(own.file, own.text, own.given), replace(own, loaded=None))
@@ -122,7 +122,7 @@ def ready(spec: Spec, problems: list[Problem], given: Sequence[str] = ()) -> Rea
 
 
 def _name(file: str, text: str, given: tuple[str, ...]) -> str | None:
-    return name("problem file", (file, text, given))
+    return name_of_kept("problem file", (file, text, given))
 
 
 def _known(file: str, given: tuple[str, ...]) -> Ready | None:
@@ -139,7 +139,7 @@ def _known(file: str, given: tuple[str, ...]) -> Ready | None:
         text = path.read_bytes().decode()
     except (OSError, UnicodeDecodeError):
         return None  # which `load_all` tells as it should be told
-    found: Ready | None = load(_name(str(path), text, given))
+    found: Ready | None = load_kept(_name(str(path), text, given))
     if found is None or check_engine_options(found.settings.engine, found.settings.options):
         return None
     return found
