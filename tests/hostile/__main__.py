@@ -37,6 +37,12 @@ def problems(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[I
         yield problem_files.runs(text, folder)
 
 
+def written(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
+    preload()
+    for text in islice(problem_files.written(told.files, told.seed), told.skip, None):
+        yield problem_files.runs(text, folder)
+
+
 def moments(told: argparse.Namespace, folder: Path, count: Count) -> Iterator[Iterator[Run]]:
     yield from (iter([run]) for run in of_moments(told.files, told.seed, folder))
 
@@ -69,6 +75,7 @@ def long_life(count: int) -> int:
 KINDS = {
     "results": (results, 1570),
     "problems": (problems, 2000),
+    "written": (written, 1000),
     "moments": (moments, 300),
     "disks": (disks, len(CASES)),
     "sweeps": (sweeps, 100),

@@ -45,15 +45,17 @@ def bases() -> dict[str, Node]:
     found = {}
     for name, path in sorted(shipped().items()):
         data = yaml.load(path.read_text(), yaml.CSafeLoader)
-        _shrink(data)
+        shrink(data)
         found[name] = data
     return found
 
 
-def _shrink(data: Node) -> None:
+def shrink(data: Node) -> None:
     """Meshes of 3 segments; numbers are texts to PyYAML in some forms (1e-8), which is right here."""
-    meshes = [data.get("mesh"), *(phase.get("mesh") for phase in (data.get("phases") or {}).values() if phase)]
-    for entry in (entry for mesh in meshes for entry in mesh or ()):
+    phases = data.get("phases")
+    parts = [data, *(phases.values() if isinstance(phases, dict) else ())]
+    meshes = [part.get("mesh") for part in parts if isinstance(part, dict)]
+    for entry in (entry for mesh in meshes if isinstance(mesh, list) for entry in mesh if isinstance(entry, dict)):
         if isinstance(entry.get("segments"), int) and not isinstance(entry.get("degree"), list):
             entry["segments"] = min(entry["segments"], 3)
 
