@@ -19,7 +19,7 @@ from ..solution.violation import Trouble, constraint_named, of_phase
 
 RANK = 1e-9  # of the largest diagonal entry of R: below it, a row adds nothing
 SHARE = 0.05  # of the largest coefficient of a combination: smaller ones name nobody
-LARGEST = 3000  # equations of a program that is looked at
+LARGEST = 1500  # equations of a program that is looked at: a second of work, in each attempt that fails
 
 
 def dependent(transcription: Transcription, nlp: NonlinearProgram, outcome: Outcome) -> Trouble:
@@ -55,7 +55,7 @@ def _combination(matrix: np.ndarray) -> np.ndarray | None:
 
     lengths = np.linalg.norm(matrix, axis=1)
     scaled = matrix / np.where(lengths > 0, lengths, 1.0)[:, None]
-    _, R, pivots = qr(scaled.T, mode="economic", pivoting=True)
+    R, pivots = qr(scaled.T, mode="r", pivoting=True, check_finite=False)
     diagonal = np.abs(np.diag(R))
     rank = int((diagonal > RANK * diagonal.max(initial=0.0)).sum())
     if rank == len(matrix):
