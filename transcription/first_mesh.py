@@ -67,7 +67,7 @@ def solve_first_mesh(
     seconds = max(SECONDS, TIMES * first)
     away = not best[0].status.usable and _ran_away(best[0])
     limit = Limit(max(ONCE_AWAY, first) if away else seconds, watch.stop, time.process_time)
-    if of_the_mesh(best[0]) and (found := on_more_segments(attempt, best, limit)):
+    if of_the_mesh(attempt, best[0]) and (found := on_more_segments(attempt, best, limit)):
         return _doubted(found)
     if cut and best[0].status is Status.MAX_ITERATIONS and not away:
         best = attempt.own()

@@ -16,6 +16,9 @@ CRAWLING = 800
 MORE, FEW = (2, 4), 400
 """Times the segments of the first mesh; iterations of each try."""
 
+MANY = 100
+"""Segments of a mesh that are not too few: what fails on so many does not for want of them."""
+
 OF_THE_MESH = (
     Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.MAX_ITERATIONS, Status.STALLED, Status.STEP_FAILED,
 )  # fmt: skip
@@ -28,15 +31,23 @@ def may_crawl(attempt: Attempt) -> bool:
     attempt: the first.
     """
     settings = attempt.settings
-    return settings.refine is not None and settings.engine == "ipopt" and "max_iter" not in settings.options
+    own = settings.refine is None or settings.engine != "ipopt" or "max_iter" in settings.options
+    return _may_be_coarse(attempt) and not own
 
 
-def of_the_mesh(failed: Solution) -> bool:
+def of_the_mesh(attempt: Attempt, failed: Solution) -> bool:
     """Whether more segments may mend a failure: not if something runs away, or has a kink.
 
-    failed: on the first mesh.
+    attempt: the solve that failed.
+    failed: what it led to, on the first mesh.
     """
-    return failed.status in OF_THE_MESH and not (failed.status is Status.MAX_ITERATIONS and failed.trouble)
+    explained = failed.status is Status.MAX_ITERATIONS and failed.trouble
+    return _may_be_coarse(attempt) and failed.status in OF_THE_MESH and not explained
+
+
+def _may_be_coarse(attempt: Attempt) -> bool:
+    """Whether there are few segments, and no guess was given: from such a one nothing else is tried either."""
+    return attempt.start.guess is None and sum(mesh.segments for mesh in attempt.meshes) < MANY
 
 
 def on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | None:
