@@ -36,8 +36,7 @@ from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load, load_text
 from trajopt.results.file.write import write
 from trajopt.results.verify import verify
-from trajopt.transcription.settings import settings_of, steps
-from trajopt.transcription.solve import solve
+from trajopt.transcription.continuation import solve_spec
 
 METHODS = {"radau": 10, "hermite-simpson": 20, "trapezoid": 40, "gauss": 10, "runge-kutta-4": 20}
 """Segments of the first mesh."""
@@ -149,7 +148,7 @@ def store(job: Job, path: Path) -> str:
     problems = build_all(spec)
     # The problem's own start, told to be one, is not replaced by a better one.
     guess = [phase.guess for phase in problems[0].phases] if job.bad else None
-    solution = solve(problems, steps(spec.mesh), settings_of(spec), guess=guess)
+    solution = solve_spec(spec, problems, guess=guess)  # through its continuation, if it has one
     if not solution.solved:
         return solution.status.name.lower()
     if solution.inaccurate and not job.bad and "as shipped" not in job.name:
