@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..problems.problem import Problem
 from .attempts.attempt import Attempt, better
 from .attempts.others import from_others
-from .attempts.segments import CRAWLING, may_crawl, of_the_mesh, on_more_segments
+from .attempts.segments import CRAWLING, OF_THE_MESH, may_crawl, of_the_mesh, on_more_segments
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
 from .one_mesh import Found, Origin
@@ -32,10 +32,7 @@ NOT_OF_THE_START = (
 )  # fmt: skip
 """Failures that no other start can mend."""
 
-CONTRADICTORY = (
-    Status.INFEASIBLE, Status.RESTORATION_FAILED, Status.OVERDETERMINED, Status.MAX_ITERATIONS, Status.STALLED,
-    Status.STEP_FAILED,
-)  # fmt: skip
+CONTRADICTORY = (*OF_THE_MESH, Status.OVERDETERMINED)
 """Failures that constraints may be the reason of, if they are violated."""
 
 
@@ -98,7 +95,7 @@ def _ran_away(failed: Solution) -> bool:
     """Whether the objective has fallen without limit, or far together with something that has a name."""
     from .failure.runaway import FALLEN_THROUGH, fallen  # loaded when there is a failure
 
-    if failed.status is Status.MAX_ITERATIONS and failed.trouble:
+    if failed.cause_is_known:
         return fallen(failed.outcome, FALLEN_THROUGH)
     return failed.status is Status.DIVERGING and fallen(failed.outcome)
 

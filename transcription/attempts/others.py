@@ -7,7 +7,6 @@ from dataclasses import replace
 from itertools import islice
 
 from ...problems.problem import Problem
-from ..engines.outcome import Status
 from ..engines.watch import Limit
 from ..one_mesh import Found
 from ..solution.solution import Solution
@@ -36,8 +35,7 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
     problem, own = attempt.problem, first[0]
     idle = without_effect(problem, [phase.guess for phase in problem.phases])
     doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(attempt, first) if own.status.usable else "")
-    explained = own.status is Status.MAX_ITERATIONS and own.trouble  # no start mends what runs away, or has a kink
-    if (own.status.usable and not doubt) or explained:
+    if (own.status.usable and not doubt) or own.cause_is_known:
         return first
     best, words, tried = first, "", 0
     for other in _others(problem, own.status.usable, doubt == MANY):

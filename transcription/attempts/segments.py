@@ -41,8 +41,7 @@ def of_the_mesh(attempt: Attempt, failed: Solution) -> bool:
     attempt: the solve that failed.
     failed: what it led to, on the first mesh.
     """
-    explained = failed.status is Status.MAX_ITERATIONS and failed.trouble
-    return _may_be_coarse(attempt) and failed.status in OF_THE_MESH and not explained
+    return _may_be_coarse(attempt) and failed.status in OF_THE_MESH and not failed.cause_is_known
 
 
 def _may_be_coarse(attempt: Attempt) -> bool:

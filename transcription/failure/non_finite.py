@@ -28,6 +28,8 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
     if not failed:
         return ""
     read = trajectories(transcription, failed[0])
+    ends = {f"{own.phase.name}.{name}": value for own in read for name, value in _end_values(own).items()}
+    given = {f"{own.phase.name}.{name}" for own in read for name in _given_times(own.phase)}
     for explain in (_value_fault, _derivative_fault):
         for trajectory in read:
             phase = trajectory.phase
@@ -40,9 +42,7 @@ def explain_non_finite(transcription: Transcription, failed: tuple | None) -> st
                     time = "" if at_ends else f" at t = {values['t'][i]:.6g}"
                     return f"{owner}: {what}{time}{_where(there)}{_relaxed(phase, there)}"
         for owner, function in _functions_between(transcription.problem):
-            values = {f"{own.phase.name}.{name}": v for own in read for name, v in _end_values(own).items()}
-            given = {f"{own.phase.name}.{name}" for own in read for name in _given_times(own.phase)}
-            if found := explain(function, {**values, **read[0].parameters}, given):
+            if found := explain(function, {**ends, **read[0].parameters}, given):
                 return f"{owner}: {found[0]}{_where(found[2])}"
     name, index = failed[1][0]
     return f"a function or a derivative has no finite value in {name}" + ("" if index is None else f", index {index}")

@@ -27,13 +27,16 @@ def soft_constraints(problem: Problem, transcription: Transcription, nlp: Nonlin
     transcription: of the same problem with free times.
     nlp: its compiled program.
     """
+    bounded: dict[tuple[str, str], list[Family]] = {}  # rows that hold states which are no unknowns
+    for family in transcription.families:
+        if family.kind is BOUND:
+            bounded.setdefault((family.phase, family.name), []).append(family)
     for phase, layout in zip(problem.phases, transcription.phases, strict=True):
         yield from _ends(phase, layout)
         for variable, places in zip((*phase.states, *phase.controls), (*layout.x, *layout.u), strict=False):
             rows = [
                 (row, start)
-                for own in transcription.families
-                if (own.phase, own.kind, own.name) == (phase.name, BOUND, variable.name)
+                for own in bounded.get((phase.name, variable.name), ())
                 for row, start in zip(own.rows(nlp), own.span[:, 0], strict=True)
             ]
             yield from _bounds(variable, layout, places, rows, variable in phase.states)
@@ -70,11 +73,8 @@ def _bounds(
     at = np.flatnonzero(inside >= 0)
     if variable.bounds == Range() or not (len(at) or rows):
         return
-    what, bounds, size = (
-        f"the bounds of {variable.name}{of_phase(phase)}",
-        variable.bounds,
-        _size(variable.bounds, variable.bounds),
-    )
+    what, bounds = f"the bounds of {variable.name}{of_phase(phase)}", variable.bounds
+    size = _size(bounds, bounds)
     every = [*zip(inside[at].tolist(), layout.mesh.fractions[at].tolist(), strict=True), *rows]
     numbers, s = np.array([own[0] for own in every], int), np.array([own[1] for own in every])
     of_unknowns = np.arange(len(every)) < len(at)

@@ -27,7 +27,7 @@ ROMBERG_LEVELS = range(4, 9)  # 16 to 256 intervals a piece
 ROMBERG_TOLERANCE = 1e-4  # relative to the largest eta of a state: an error estimate needs no more digits
 INSET = 1e-10  # of a piece, kept from its ends: constant controls jump where pieces meet
 GAUSS_POINTS = 8  # between neighbouring nodes, for integrands
-RELAXED = 1e-8  # relative to 1 + |bound|: by so much IPOPT moves every bound outwards; a control that is off spans less
+RELAXED = 1e-8  # relative to 1 + |bound|: no more than IPOPT itself relaxes bounds by; a control that is off spans less
 NEARLY_CONSTANT = 1e-3  # of its size: a curve that spans less counts as one that spans so much
 EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 

@@ -142,8 +142,7 @@ class Solution:
     @property
     def remedy(self) -> str:
         """What to do about a failure: the status' advice, but more iterations do not help where the cause is known."""
-        known = self.status is Status.MAX_ITERATIONS and self.trouble
-        return "mend the cause: more iterations do not help" if known else self.status.remedy
+        return "mend the cause: more iterations do not help" if self.cause_is_known else self.status.remedy
 
     @property
     def seconds_of_meshes(self) -> float:
@@ -158,6 +157,12 @@ class Solution:
         """The solution of an interrupted solve, of which the time limit is told."""
         meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=Status.TIME_LIMIT))
         return replace(self, status=Status.TIME_LIMIT, meshes=meshes)
+
+    @property
+    def cause_is_known(self) -> bool:
+        """Whether the iterations ran out for a reason that has a name: what runs away, or has a kink. No other start,
+        mesh or number of iterations mends that."""
+        return self.status is Status.MAX_ITERATIONS and bool(self.trouble)
 
     @property
     def solved(self) -> bool:
