@@ -37,7 +37,7 @@ MOST, UNKNOWNS = 16, 50_000
 unknown."""
 
 ON_DISK = 200_000
-"""Unknowns of a program that is kept on the disk, with about 170 bytes for each of them. Read from there, a second solve
+"""Unknowns of a program that is kept on the disk, about 170 bytes for each of them. Read from there, a second solve
 of the cart-pole takes 0.72 of the CPU seconds at 12,000 unknowns, and 0.68 at 120,000."""
 
 
