@@ -43,6 +43,8 @@ def less_barrier(own: Multipliers, gap: float, tolerance: float, settings: Setti
     if acting <= gap and own.gap <= IDLE * gap:
         return None
     product = max(AIM * gap / max(count, 1.0), SMALLEST_PRODUCT)
+    if own.largest_product <= product:
+        return None
     options = {"tol": tolerance, **settings.options, **TIGHTENING, "compl_inf_tol": product, "mu_init": product}
     better = again(options, Start(outcome.y, outcome.z_lower, outcome.z_upper))
     stayed = abs(better.objective - outcome.objective) <= MOST_MOVED * own.gap
