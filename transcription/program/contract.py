@@ -25,25 +25,18 @@ class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a 
         super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))
 
 
-class NonlinearProgram(Protocol):
-    """n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
+class Functions(Protocol):
+    """What an engine calls.
 
-    seconds: by part: differentiate, compile, evaluate. All callbacks but `constraints_unchecked` raise NotFinite.
+    n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
+
+    All callbacks raise NotFinite.
     """
 
     n: int
     m: int
     cl: np.ndarray
     cu: np.ndarray
-    seconds: dict[str, float]
-
-    def rows(self, component: Any) -> np.ndarray:
-        """The row numbers of the component of a `layout.Family`, in the order of its index."""
-        ...
-
-    def row_name(self, row: int) -> tuple[str, int | None]:
-        """(component name, index or None) of a row."""
-        ...
 
     def objective(self, z: np.ndarray) -> float:
         """f(z)."""
@@ -55,10 +48,6 @@ class NonlinearProgram(Protocol):
 
     def constraints(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,)."""
-        ...
-
-    def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
-        """g(z), shape (m,), with NaN and infinity where it is not finite."""
         ...
 
     def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
@@ -80,6 +69,27 @@ class NonlinearProgram(Protocol):
         y: (m,) multipliers of g.
         sigma: of f.
         """
+        ...
+
+
+class NonlinearProgram(Functions, Protocol):
+    """With what else is asked of it.
+
+    seconds: by part: differentiate, compile, evaluate.
+    """
+
+    seconds: dict[str, float]
+
+    def rows(self, component: Any) -> np.ndarray:
+        """The row numbers of the component of a `layout.Family`, in the order of its index."""
+        ...
+
+    def row_name(self, row: int) -> tuple[str, int | None]:
+        """(component name, index or None) of a row."""
+        ...
+
+    def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
+        """g(z), shape (m,), with NaN and infinity where it is not finite."""
         ...
 
 
