@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..program.contract import Functions, NotFinite
+from ..program.contract import NonlinearProgram, NotFinite
 from .outcome import COLUMNS
 
 FUNCTIONS: Mapping[str, tuple[Any, Sequence[Any]]] = {
@@ -62,7 +62,7 @@ class Problem:
     """A program as IPOPT has it, with its options."""
 
     def __init__(
-        self, library: ctypes.CDLL, nlp: Functions, lower: np.ndarray, upper: np.ndarray, watch: Watcher = None
+        self, library: ctypes.CDLL, nlp: NonlinearProgram, lower: np.ndarray, upper: np.ndarray, watch: Watcher = None
     ) -> None:
         """A new problem.
 
@@ -134,7 +134,7 @@ class Callbacks:
     error: what a function has raised besides; the solve ends after the iteration.
     """
 
-    def __init__(self, nlp: Functions, watch: Watcher) -> None:
+    def __init__(self, nlp: NonlinearProgram, watch: Watcher) -> None:
         self.nlp, self.watch = nlp, watch
         self.failed: tuple[np.ndarray, list[tuple[str, int | None]]] | None = None
         self.error: BaseException | None = None
@@ -160,7 +160,7 @@ class Callbacks:
         """
         if self.error is not None:
             return None
-        z = np.array(_memory(self._vector, at))
+        z = np.array(np.frombuffer(self._vector.from_address(at)))
         try:
             return function(z, *more)
         except NotFinite as error:
@@ -194,7 +194,7 @@ class Callbacks:
     ) -> int:  # fmt: skip
         if out is None:
             return _written(self.nlp.hessianstructure(), count, rows, columns)
-        multipliers = np.array(_memory(self._row, y)) if m else np.zeros(0)
+        multipliers = np.array(np.frombuffer(self._row.from_address(y))) if m else np.zeros(0)
         return _given(self._value(self.nlp.hessian, at, multipliers, sigma), c_double * count, out)
 
     def intermediate(self, *values: Any) -> int:
@@ -207,29 +207,19 @@ class Callbacks:
         return 0
 
 
-def _memory(vector: Any, at: int, kind: Any = float) -> np.ndarray:
-    """An array of IPOPT's, seen where it is.
-
-    vector: its type in C.
-    at: where it begins.
-    kind: of its numbers.
-    """
-    return np.frombuffer(vector.from_address(at), kind)
-
-
-def _given(values: np.ndarray | None, vector: Any, out: int) -> int:
+def _given(values: np.ndarray | None, vector: type[ctypes.Array[Any]], out: int) -> int:
     """Copy values to where IPOPT reads them."""
     if values is None:
         return 0
     if len(values):
-        _memory(vector, out)[:] = values
+        np.frombuffer(vector.from_address(out))[:] = values
     return 1
 
 
 def _written(structure: tuple[np.ndarray, np.ndarray], count: int, rows: int, columns: int) -> int:
     """Copy rows and columns of nonzeros to where IPOPT reads them."""
     for own, out in zip(structure, (rows, columns), strict=True) if count else ():
-        _memory(c_int * count, out, np.intc)[:] = own
+        np.frombuffer((c_int * count).from_address(out), np.intc)[:] = own
     return 1
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.text import did_you_mean
-from ..program.contract import Functions, NonlinearProgram
+from ..program.contract import NonlinearProgram
 from ..scaling import Scaling
 from .c_interface import Nothing, Problem, Watcher
 from .ipopt_library import OPTION, load_library, loaded
@@ -181,7 +181,7 @@ def _silent() -> Problem:
     return problem
 
 
-def _problem(nlp: Functions, lower: np.ndarray, upper: np.ndarray, watch: Watcher = None) -> Problem:
+def _problem(nlp: NonlinearProgram, lower: np.ndarray, upper: np.ndarray, watch: Watcher = None) -> Problem:
     """A new problem that takes its options from the caller only.
 
     IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
