@@ -94,7 +94,7 @@ def solve(
     problems = ready_all(files, given, piped_text(files))
     logging.basicConfig(stream=sys.stderr, format="%(message)s", level=logging.WARNING)
     if verbose:
-        logging.getLogger("trajopt").setLevel(logging.INFO)  # not that of libraries
+        logging.getLogger("trajopt").setLevel(logging.INFO)  # not cyipopt's, which tells of every call
     code = 0
     with Stop() as stop:
         jobs = _jobs(problems, _targets(problems, output), guess, force)

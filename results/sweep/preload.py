@@ -29,4 +29,4 @@ def _keep_memory() -> None:
 
 
 _keep_memory()
-load_library()
+load_library()  # here, where there is one thread: see there

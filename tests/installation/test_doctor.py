@@ -44,7 +44,7 @@ def test_what_is_missing_is_told_with_its_remedy(monkeypatch, tmp_path):
 
 
 BROKEN = {
-    "ipopt_wrapper": ("this is no library, so it has nothing of IPOPT", "ipopt_wrapper.py", ["ipopt"]),
+    "cyipopt": ("raise ImportError('libipopt.so.3: cannot open shared object file')", "libipopt.so.3", ["ipopt"]),
     "h5py": ("raise RuntimeError('built for another HDF5')", "built for another HDF5", ["hdf5"]),
     "symengine": ("import os, signal; os.kill(os.getpid(), signal.SIGILL)", "ended by SIGILL", []),
 }

@@ -1,17 +1,17 @@
-"""Compiled nonlinear program -> IPOPT -> Outcome."""
+"""Compiled nonlinear program -> IPOPT through cyipopt -> Outcome."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from ...problems.errors import Mistake, SpecError
 from ...problems.text import did_you_mean
-from ..program.contract import Functions, NonlinearProgram
+from ..program.contract import NonlinearProgram, NotFinite
 from ..scaling import Scaling
-from .c_interface import Nothing, Problem, Watcher
 from .ipopt_library import OPTION, load_library, loaded
 from .linear_solvers import missing_libraries
 from .outcome import COLUMNS, Outcome, Start, Status
@@ -94,42 +94,34 @@ def solve_program(
     Raises ValueError for an option that `check_options` would refuse, SpecError for a library that cannot be had.
     """
     options = _with_library(options or {})
-    record: dict[str, list[float]] = {name: [] for name in COLUMNS}
-
-    def watch(iteration: dict[str, float]) -> bool:
-        for name, value in iteration.items():
-            record[name].append(value)
-        if progress:
-            progress(iteration)
-        return not (stop and stop())
-
-    problem = _problem(nlp, lower, upper, watch)
+    callbacks = _Callbacks(nlp, progress, stop)
+    problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(LARGE_DEFAULTS if nlp.n >= LARGE else {}), **(WARM if start else {})}
     if (tol := options.get("tol")) is not None:
         chosen["bound_relax_factor"] = min(MOST_RELAXED, RELAXED * float(str(tol)))
     chosen |= {**(USER_SCALING if scaling else {}), **options}
     if scaling:
-        problem.scale(scaling.objective, scaling.z, scaling.g)
+        problem.set_problem_scaling(scaling.objective, scaling.z, scaling.g)
     _learn_reals(options)
     for name, value in chosen.items():
         if not _accepts(problem, name, value):
             raise ValueError(f"IPOPT does not take {name} = {value!r}")
-    start = start or Start(np.zeros(nlp.m), np.zeros(nlp.n), np.zeros(nlp.n))
-    found = problem.solve(z, start.y, start.z_lower, start.z_upper)
-    status = Status.from_code(found.code)
+    multipliers = (start.y, start.z_lower, start.z_upper) if start else ()
+    z, info = problem.solve(z, *multipliers)
+    status = Status.from_code(info["status"])
     if status in (Status.ACCEPTABLE, Status.STALLED):
-        last = {name: values[-1] for name, values in record.items()}
-        multipliers = np.concatenate([found.y, found.z_lower, found.z_upper])
-        if met_to_rounding(nlp, found.z, multipliers, last, float(str(chosen["tol"]))):
+        last = {name: values[-1] for name, values in callbacks.record.items()}
+        found = np.concatenate([info["mult_g"], info["mult_x_L"], info["mult_x_U"]])
+        if met_to_rounding(nlp, z, found, last, float(str(chosen["tol"]))):
             status = Status.SOLVED
     return Outcome(
         status=status,
-        z=found.z,
-        y=found.y,
-        z_lower=found.z_lower,
-        z_upper=found.z_upper,
-        objective=found.objective,
-        iterations={name: np.array(values) for name, values in record.items()},
+        z=z,
+        y=info["mult_g"],
+        z_lower=info["mult_x_L"],
+        z_upper=info["mult_x_U"],
+        objective=float(info["obj_val"]),
+        iterations={name: np.array(values) for name, values in callbacks.record.items()},
         solver={
             "engine": "ipopt",
             "ipopt": loaded().version,
@@ -137,7 +129,7 @@ def solve_program(
             **chosen,
             "scaling": json.dumps(scaling.sizes if scaling else None),
         },
-        failed=problem.callbacks.failed,
+        failed=callbacks.failed,
     )
 
 
@@ -152,7 +144,8 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
         options = _with_library(options)
     except SpecError as error:
         return list(error.mistakes)
-    problem = _silent()
+    problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
+    _silence(problem)
     mistakes = []
     for name, value in options.items():
         if not _accepts(problem, name, value):
@@ -169,39 +162,37 @@ def _with_library(options: Mapping[str, object]) -> dict[str, object]:
     return {name: value for name, value in options.items() if name != OPTION}
 
 
-def _silent() -> Problem:
-    """A problem of one unknown that keeps IPOPT from printing its own, longer words for an option that it refuses.
+def _silence(problem: Any) -> None:
+    """Keep IPOPT from printing its own, longer words for an option that it refuses.
 
-    It obeys the print level only from its first solve on, which takes 3 ms.
+    It obeys the print level only from its first solve on; that of a problem of one unknown takes 3 ms.
     """
-    problem = _problem(Nothing(), np.zeros(1), np.ones(1))
-    problem.takes("print_level", 0)
-    problem.takes("sb", "yes")
-    problem.solve(*Nothing.START)
-    return problem
+    problem.add_option("print_level", 0)
+    problem.add_option("sb", "yes")
+    problem.solve(np.array([0.5]))
 
 
-def _problem(nlp: Functions, lower: np.ndarray, upper: np.ndarray, watch: Watcher = None) -> Problem:
-    """A new problem that takes its options from the caller only.
+def _problem(**definition: Any) -> Any:
+    """A new problem of cyipopt that takes its options from the caller only.
 
     IPOPT reads the file `ipopt.opt` in the current folder at each solve, if there is one, unless the name of that
     file is empty: it would change results, write files and load libraries without a word.
-
-    nlp, lower, upper, watch: as of `Problem`.
     """
-    problem = Problem(load_library(), nlp, lower, upper, watch)
-    problem.takes(OPTION_FILE, "")
+    problem = load_library().Problem(**definition)
+    problem.add_option(OPTION_FILE, "")
     return problem
 
 
-def _accepts(problem: Problem, name: str, value: object) -> bool:
+def _accepts(problem: Any, name: str, value: object) -> bool:
     if name.lower().rpartition(".")[2] == OPTION_FILE:  # behind a prefix it is no other option
         return False
     attempts: tuple[object, ...] = (value,)
     if isinstance(value, int):  # IPOPT tells 1 from 1.0
         attempts = (float(value),) if name in _REAL else (value, float(value))
     for attempt in attempts:
-        if not problem.takes(name, attempt):
+        try:
+            problem.add_option(name, attempt)
+        except TypeError:
             continue
         if attempt is not value:
             _REAL.add(name)
@@ -212,6 +203,63 @@ def _accepts(problem: Problem, name: str, value: object) -> bool:
 def _learn_reals(options: Mapping[str, object]) -> None:
     """Find out which whole numbers are of options that take real ones, where IPOPT prints nothing of its own."""
     if unknown := [name for name, value in options.items() if isinstance(value, int) and name not in _WHOLE | _REAL]:
-        problem = _silent()
+        problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
+        _silence(problem)
         for name in unknown:
             _accepts(problem, name, options[name])
+
+
+class _Nothing:
+    """The least that cyipopt takes for a problem."""
+
+    def objective(self, z: np.ndarray) -> float:
+        return 0.0
+
+    def gradient(self, z: np.ndarray) -> np.ndarray:
+        return np.zeros_like(z)
+
+
+class _Callbacks:
+    """The functions IPOPT calls, with a record of each iteration and of the last evaluation that was not finite."""
+
+    def __init__(
+        self, nlp: NonlinearProgram, progress: Callable[[dict], None] | None, stop: Callable[[], bool] | None
+    ) -> None:
+        self.nlp, self.progress, self.stop = nlp, progress, stop
+        self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
+        self.failed: tuple[np.ndarray, list] | None = None
+
+    def _finite(self, function: Callable, z: np.ndarray, *args: Any) -> Any:
+        try:
+            return function(z, *args)
+        except NotFinite as error:
+            self.failed = (np.array(z), error.names)
+            raise load_library().CyIpoptEvaluationError from error
+
+    def objective(self, z: np.ndarray) -> float:
+        return self._finite(self.nlp.objective, z)
+
+    def gradient(self, z: np.ndarray) -> np.ndarray:
+        return self._finite(self.nlp.gradient, z)
+
+    def constraints(self, z: np.ndarray) -> np.ndarray:
+        return self._finite(self.nlp.constraints, z)
+
+    def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.nlp.jacobianstructure()
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        return self._finite(self.nlp.jacobian, z)
+
+    def hessianstructure(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.nlp.hessianstructure()
+
+    def hessian(self, z: np.ndarray, y: np.ndarray, sigma: float) -> np.ndarray:
+        return self._finite(self.nlp.hessian, z, y, sigma)
+
+    def intermediate(self, *values: float) -> bool:
+        for name, value in zip(COLUMNS, values, strict=True):
+            self.record[name].append(value)
+        if self.progress:
+            self.progress(dict(zip(COLUMNS, values, strict=True)))
+        return not (self.stop and self.stop())

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from typing import Any
 
-from .c_interface import Nothing, Problem
+import numpy as np
+
 from .outcome import Status
 
 MUMPS = "mumps"
@@ -21,11 +23,11 @@ _NEEDED = {"ma97": "ma97_default_control_d"}
 """Solver -> a function of its library without which IPOPT 3.14.11 crashes, and does not say that it is missing."""
 
 
-def missing_libraries(options: Mapping[str, object], problem: Problem) -> dict[str, tuple[str, str]]:
+def missing_libraries(options: Mapping[str, object], problem: Any) -> dict[str, tuple[str, str]]:
     """Options that name a library that IPOPT cannot load -> what is wrong, and the remedy.
 
     options: of IPOPT, as it takes them.
-    problem: `Nothing`, which has these options; it is solved.
+    problem: one of cyipopt with a single unknown, which has these options; it is solved.
     """
     known = {name.lower().rpartition(".")[2]: (name, str(value).lower()) for name, value in options.items()}
     asked = {key: known[key] for key, (own, *_) in _LOADED.items() if key in known and known[key][1] not in own}
@@ -43,7 +45,8 @@ def _crashes(known: Mapping[str, tuple[str, str]]) -> bool:
         return True
 
 
-def _refuses(problem: Problem) -> bool:
+def _refuses(problem: Any) -> bool:
     """Whether IPOPT, which takes the name of any library, cannot use it once it runs."""
-    problem.takes("print_level", 0)
-    return Status.from_code(problem.solve(*Nothing.START).code) is Status.INVALID_OPTION
+    problem.add_option("print_level", 0)
+    _, info = problem.solve(np.array([0.5]))
+    return Status.from_code(info["status"]) is Status.INVALID_OPTION

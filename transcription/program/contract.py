@@ -25,18 +25,25 @@ class NotFinite(ArithmeticError):  # noqa: N818  (a state of the iterate, not a 
         super().__init__(f"{kind}: not finite in {shown}" + (f" and {len(names) - 3} more" if names[3:] else ""))
 
 
-class Functions(Protocol):
-    """What an engine calls.
+class NonlinearProgram(Protocol):
+    """n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
 
-    n, m: numbers of variables and rows. cl, cu: (m,) bounds of the rows, +-inf where there is none.
-
-    All callbacks raise NotFinite.
+    seconds: by part: differentiate, compile, evaluate. All callbacks but `constraints_unchecked` raise NotFinite.
     """
 
     n: int
     m: int
     cl: np.ndarray
     cu: np.ndarray
+    seconds: dict[str, float]
+
+    def rows(self, component: Any) -> np.ndarray:
+        """The row numbers of the component of a `layout.Family`, in the order of its index."""
+        ...
+
+    def row_name(self, row: int) -> tuple[str, int | None]:
+        """(component name, index or None) of a row."""
+        ...
 
     def objective(self, z: np.ndarray) -> float:
         """f(z)."""
@@ -48,6 +55,10 @@ class Functions(Protocol):
 
     def constraints(self, z: np.ndarray) -> np.ndarray:
         """g(z), shape (m,)."""
+        ...
+
+    def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
+        """g(z), shape (m,), with NaN and infinity where it is not finite."""
         ...
 
     def jacobianstructure(self) -> tuple[np.ndarray, np.ndarray]:
@@ -69,27 +80,6 @@ class Functions(Protocol):
         y: (m,) multipliers of g.
         sigma: of f.
         """
-        ...
-
-
-class NonlinearProgram(Functions, Protocol):
-    """With what else is asked of it.
-
-    seconds: by part: differentiate, compile, evaluate.
-    """
-
-    seconds: dict[str, float]
-
-    def rows(self, component: Any) -> np.ndarray:
-        """The row numbers of the component of a `layout.Family`, in the order of its index."""
-        ...
-
-    def row_name(self, row: int) -> tuple[str, int | None]:
-        """(component name, index or None) of a row."""
-        ...
-
-    def constraints_unchecked(self, z: np.ndarray) -> np.ndarray:
-        """g(z), shape (m,), with NaN and infinity where it is not finite."""
         ...
 
 
