@@ -18,7 +18,7 @@ import numpy as np
 from ..lean.records import dataclass, only_fields
 from ..quantities import Function
 from ..text import shorten, tidy
-from .evaluation import Fault, Walk, first_fault
+from .evaluation import Fault, Same, Walk, first_fault
 from .tape import Tape
 from .tokens import ExpressionError
 from .tree import Link, Name, Node, OperatorChain, nodes, parse_tree
@@ -59,7 +59,7 @@ class Expression:
         tables: name -> the table of data that it looks up; None for those that it has.
         """
         own = self.tables if tables is None else tables
-        bound = replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
+        bound = Expression(self.text, self.root, parameters, definitions, static, own)
         # Of the tree alone; `parse` keeps expressions, so the next problem with this text need not walk through it.
         bound.__dict__.update(nodes=self.nodes, leaves=self.leaves)
         return bound
@@ -116,6 +116,8 @@ class Expression:
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, list[str]] = {}
         waiting = [(n.name, n.end) for n in self.leaves if n.name in self.definitions]
+        if not waiting:
+            return {}
         while waiting:
             name, end = waiting.pop()
             key = self.key(name, end)
@@ -159,6 +161,21 @@ def together(functions: Sequence[Function]) -> Together:
     if len(expressions) == len(functions):
         return Tape(expressions)
     return lambda values, module: [own(values, module) for own in functions]
+
+
+def fault_with(expression: Expression, numbers: Mapping[str, float]) -> Fault | None:
+    """What no variable can mend, see `Expression.fault`; kept, as most expressions of a sweep have the same numbers in
+    each case.
+
+    expression: without tables, as `parse` gives it.
+    numbers: those of its names that are known.
+    """
+    return _fault_with(Same(expression), tuple(numbers.items()))
+
+
+@lru_cache(maxsize=4096)
+def _fault_with(expression: Same[Expression], numbers: tuple[tuple[str, float], ...]) -> Fault | None:
+    return expression.own.bind(dict(numbers), {}).fault({})
 
 
 @lru_cache(maxsize=4096)
