@@ -72,8 +72,8 @@ class Left:
 
 def _ahead(own: Guess, earlier: Guess, share: float) -> Guess:
     """Curves a step on from two at the same points, as of `Left.ahead`."""
-    t0, tF = (further(*pair, share) for pair in ((own.initial_time, earlier.initial_time),
-                                                (own.final_time, earlier.final_time)))  # fmt: skip
+    t0 = further(own.initial_time, earlier.initial_time, share)
+    tF = further(own.final_time, earlier.final_time, share)
     values = {name: further(curve, earlier.values[name], share) for name, curve in own.values.items()}
     parameters = {name: further(value, earlier.parameters[name], share) for name, value in own.parameters.items()}
     return Guess(t0, tF, own.s, values, parameters)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -89,8 +89,11 @@ class Near:
         return foretold if close and max(rows, _passed(z, lower, upper)) <= PASSED else np.nan
 
 
-def further(here: np.ndarray, earlier: np.ndarray, share: float) -> np.ndarray:
-    """A step on from `here`, as long as that from `earlier` times `share`; arrays of one shape."""
+Moved = TypeVar("Moved", float, np.ndarray)
+
+
+def further(here: Moved, earlier: Moved, share: float) -> Moved:
+    """A step on from `here`, as long as that from `earlier` times `share`; numbers, or arrays of one shape."""
     return here + share * (here - earlier)
 
 
