@@ -118,7 +118,7 @@ def test_units_that_do_not_fit_are_told_at_their_place(old, new, line, path, say
     "added",
     [
         "odd: {value: 3 + 5*sin(q), unit: m}", "odd: x + 2*step(x - l, 0.1)", "odd: F - 4*(x/l)", "odd: x + sin(t)",
-        "ahead(T): {value: 3 + 5*step(T, 1), unit: m}\n  odd: x - ahead(t)",
+        "ahead(T): 3 + 5*step(T, 1)\n  odd: x - ahead(t)",
     ],
 )  # fmt: skip
 def test_a_number_times_a_pure_number_is_a_number(added):
