@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,6 +11,8 @@ import numpy as np
 
 from ..problems.lean.records import dataclass
 from ..problems.problem import Curves, Problem
+from .dual.barrier import less_barrier
+from .dual.multipliers import Multipliers
 from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .engines.watch import Watch
@@ -75,7 +77,7 @@ def solve_mesh(
     coarse = _coarse(problem, meshes) if settings.coarse_start and start.guess is None else None
     if not coarse:
         return run(meshes, start=start, watch=watch)
-    solution, solved = run(coarse, start=start, watch=watch)
+    solution, solved = run(coarse, settings=replace(settings, gap=None), start=start, watch=watch)
     history = solution.meshes
     if solution.status.usable:
         near = Origin(solution.trajectories, solved, start.damping)
@@ -126,24 +128,48 @@ def _run(
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}
-    scaling = scaling_of(transcription, nlp, z, settings)
-    damped = start.damping.of(nlp, transcription)
-    engine = engine_solve(settings.engine)
-
-    def run(options: Mapping[str, object], multipliers: Start | None) -> Outcome:
-        return engine(damped or nlp, z, lower, upper, options, start=multipliers, scaling=scaling, **watch.callbacks())
-
+    engine = engine_of(transcription, nlp, (lower, upper), start.damping, settings, watch)
+    run = partial(engine, z)
     if start.near and settings.engine == "ipopt" and start.near.fits(transcription, nlp):
         outcome, more = solved_from(start.near, run, nlp, z, lower, upper, options)
     else:
         outcome, more = run(options, multipliers), 0
+    if settings.gap is not None:
+        own, gap = Multipliers(transcription, nlp, outcome), settings.gap * (1 + abs(outcome.objective))
+        if better := less_barrier(own, gap, tolerance, settings, partial(engine, outcome.z)):
+            outcome, more = better, more + outcome.count
     clock.append(time.perf_counter())
     solution, solved = measured(transcription, nlp, outcome, start.damping, tolerance, clock)
     (record,) = solution.meshes
     return replace(solution, meshes=(replace(record, iterations=record.iterations + more),)), solved
 
 
-def scaling_of(
+def engine_of(
+    transcription: Transcription,
+    nlp: NonlinearProgram,
+    bounds: tuple[np.ndarray, np.ndarray],
+    damping: Damping,
+    settings: Settings,
+    watch: Watch,
+) -> Callable[[np.ndarray, Mapping[str, object], Start | None], Outcome]:
+    """The engine that solves a program from a point z (n,), with some options and multipliers.
+
+    transcription, nlp: of one problem.
+    bounds: lower and upper ones of the unknowns, (n,) each.
+    damping: of its controls.
+    settings: which engine it is, and the scaling.
+    watch: who looks on.
+    """
+    damped, solve = damping.of(nlp, transcription), engine_solve(settings.engine)
+
+    def run(z: np.ndarray, options: Mapping[str, object], multipliers: Start | None) -> Outcome:
+        scaling = _scaling_of(transcription, nlp, z, settings)
+        return solve(damped or nlp, z, *bounds, options, start=multipliers, scaling=scaling, **watch.callbacks())
+
+    return run
+
+
+def _scaling_of(
     transcription: Transcription, nlp: NonlinearProgram, z: np.ndarray, settings: Settings
 ) -> Scaling | None:
     """The scaling of a solve: that of the settings; with none, that of unknowns too small or too large for IPOPT.

@@ -94,6 +94,8 @@ class Settings:
     whether meshes are refined after the schedule. scaling: None for the engine's own, or the sizes that the automatic
     scaling should not choose itself. coarse_start: whether a large first mesh starts from the solution on a coarse one.
     seconds: time limit for all meshes, or None. starts: how many are drawn beside the problem's own; seed: of these.
+    gap: what the barrier may leave of the objective, relative to 1 + |J|, on a mesh after which no other comes; None
+    where that is not known before.
     """
 
     options: Mapping[str, object] = field(default_factory=dict)
@@ -105,6 +107,7 @@ class Settings:
     seconds: float | None = None
     starts: int = 0
     seed: int = 0
+    gap: float | None = None
 
     def within(self, iterations: int | None) -> Settings:
         """With so many iterations at most; as they are for None, or if they say how many themselves.

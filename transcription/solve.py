@@ -87,7 +87,7 @@ class _Loop:
     the error of their segments, before a finer goal for the objective. stopped: why no mesh came after its own. unmet:
     its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls chatter, and
     damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
-    those of the last.
+    those of the last. sharp: the barrier has left little of the last already.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
     stands in place of the problem's own.
     """
@@ -111,6 +111,7 @@ class _Loop:
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
         self.lowered, self.most_lowered = 0, LOWERED
+        self.sharp = False
         self.lower: Lower | None = None
 
     def run(self, start: Origin) -> Solution:
@@ -151,7 +152,7 @@ class _Loop:
 
     def _take(self, number: int, found: Found) -> None:
         """Make a solution the one to give back, and see what comes after it."""
-        self.last, self.lower = found, None
+        self.last, self.lower, self.sharp = found, None, self._settings(number).gap is not None
         self.history.extend(found[0].meshes)
         if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
             asked = self.settings.refine
@@ -163,7 +164,7 @@ class _Loop:
         missed = bool(self.unmet or self.stopped)
         while instead := self.candidates.instead_of(self.last, missed, self.stopped, self.history):
             back, self.stopped = instead
-            self.last, self.unmet = back.found, back.unmet
+            self.last, self.unmet, self.sharp = back.found, back.unmet, False
             self.lower = lower_hamiltonian(*self.last, NOTICED)
             self.discarded += tuple(self.history[back.known :])
             del self.history[back.known :]
@@ -178,7 +179,7 @@ class _Loop:
         if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
             return None
         self.lowered += 1
-        other = from_lower(self.steps[number], self.settings, found, self.lower, self._watch())
+        other = from_lower(self.steps[number], self._settings(number), found, self.lower, self._watch())
         if other:
             before = f"other controls had a lower Hamiltonian along a solution of {found[0].objective:.6g}"
             self.notes += (f"{before}; from them a better one was found",)
@@ -187,14 +188,14 @@ class _Loop:
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
-        watch = self._watch()
+        watch, settings = self._watch(), self._settings(number)
         if number:
-            found = from_coarser(self.steps[number], self.settings, start, watch)
+            found = from_coarser(self.steps[number], settings, start, watch)
         else:
-            found = solve_first_mesh(*self.steps[number], self.settings, start, watch)
+            found = solve_first_mesh(*self.steps[number], settings, start, watch)
             problem, _, tolerance = self.steps[number]
             self.steps[number] = problem, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
-        found = with_short_turns(self.steps[number], self.settings, found, start.damping, watch)
+        found = with_short_turns(self.steps[number], settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
         if solution.status is Status.INTERRUPTED and not self.limit.asked():
@@ -274,8 +275,10 @@ class _Loop:
 
     def _told(self) -> Solution:
         assert self.last is not None
-        gap = allowed_gap(self.settings.refine, self.last[0].objective)
-        solution, solved = tightened(self.last, self.settings, gap, self._watch())
+        solution, solved = self.last
+        if not self.sharp:
+            gap = allowed_gap(self.settings.refine) * (1 + abs(solution.objective))
+            solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
         notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
@@ -298,6 +301,11 @@ class _Loop:
         asked = self.settings.refine and self.settings.refine.objective
         missed = Goal(asked, wider).missed if asked and not self.stopped and not self.unmet else ""
         return replace(wider, stopped=f"{missed}: other controls have a lower Hamiltonian") if missed else wider
+
+    def _settings(self, number: int) -> Settings:
+        """Of the solve of a mesh: with what the barrier may leave, where it is certain that no mesh comes after."""
+        last = not self.settings.refine and number + 1 == len(self.steps)
+        return replace(self.settings, gap=allowed_gap(None)) if last else self.settings
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))

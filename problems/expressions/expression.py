@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..lean.records import dataclass, only_fields
+from ..lean.same import Same
 from ..quantities import Function
 from ..text import shorten, tidy
 from .evaluation import Fault, Walk, first_fault
@@ -59,7 +60,7 @@ class Expression:
         tables: name -> the table of data that it looks up; None for those that it has.
         """
         own = self.tables if tables is None else tables
-        bound = replace(self, parameters=parameters, definitions=definitions, static=static, tables=own)
+        bound = Expression(self.text, self.root, parameters, definitions, static, own)
         # Of the tree alone; `parse` keeps expressions, so the next problem with this text need not walk through it.
         bound.__dict__.update(nodes=self.nodes, leaves=self.leaves)
         return bound
@@ -116,6 +117,8 @@ class Expression:
         found: dict[str, tuple[Expression, str | None]] = {}
         graph: dict[str, list[str]] = {}
         waiting = [(n.name, n.end) for n in self.leaves if n.name in self.definitions]
+        if not waiting:
+            return {}
         while waiting:
             name, end = waiting.pop()
             key = self.key(name, end)
@@ -142,8 +145,9 @@ class Expression:
 
     def constant(self) -> float:
         """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
-        with np.errstate(all="ignore"):
-            return float(Walk({}, np, np.float64).evaluate(self))
+        if self.tables or self.steps:
+            return _constant(self)
+        return _constant_with(Same(self.root), tuple((name, float(self.parameters[name])) for name in self.constants))
 
 
 Together = Callable[[Mapping[str, Any], Any], list[Any]]
@@ -159,6 +163,31 @@ def together(functions: Sequence[Function]) -> Together:
     if len(expressions) == len(functions):
         return Tape(expressions)
     return lambda values, module: [own(values, module) for own in functions]
+
+
+def _constant(expression: Expression) -> float:
+    with np.errstate(all="ignore"):
+        return float(Walk({}, np, np.float64).evaluate(expression))
+
+
+@lru_cache(maxsize=4096)
+def _constant_with(root: Same[Node], numbers: tuple[tuple[str, float], ...]) -> float:
+    return _constant(Expression("", root.own, dict(numbers)))
+
+
+def fault_with(expression: Expression, numbers: Mapping[str, float]) -> Fault | None:
+    """What no variable can mend, see `Expression.fault`; kept, as most expressions of a sweep have the same numbers in
+    each case.
+
+    expression: without tables, as `parse` gives it.
+    numbers: those of its names that are known.
+    """
+    return _fault_with(Same(expression), tuple(numbers.items()))
+
+
+@lru_cache(maxsize=4096)
+def _fault_with(expression: Same[Expression], numbers: tuple[tuple[str, float], ...]) -> Fault | None:
+    return expression.own.bind(dict(numbers), {}).fault({})
 
 
 @lru_cache(maxsize=4096)

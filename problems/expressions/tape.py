@@ -7,10 +7,30 @@ the last bit.
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
+from ..lean.same import Same
 from .evaluation import Evaluated, Work, work_of
 from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
+
+
+class Part(NamedTuple):
+    """An expression without the numbers of its parameters: what the operations of a tape depend on.
+
+    root: of its tree. constants: the parameters that it needs. steps: its definitions, as `Expression.steps` has them.
+    static: of the expression. scope: which of the expressions of a tape share their parameters and definitions.
+    """
+
+    root: Same[Node]
+    constants: frozenset[str]
+    steps: tuple[tuple[str, Same[Node], str | None], ...]
+    static: frozenset[str]
+    scope: int
+
+    def key(self, name: str, end: str | None) -> str:
+        """As of `Expression`."""
+        return name if end is None or name in self.constants or name in self.static else f"{name}[{end}]"
 
 
 class Tape:
@@ -21,14 +41,19 @@ class Tape:
     given: places and names of parameters, whose numbers are in `cells`, and count unless they are among the values.
     operations: place of the value, work, places of the operands.
     results: places of the values of the expressions.
+
+    All but the numbers is the same for all problems of one form, and is kept.
     """
 
     def __init__(self, expressions: Sequence[Evaluated]) -> None:
-        made = _Making()
-        for expression in expressions:
-            made.add(expression)
-        self.loads, self.given = made.loads, made.given
-        self.operations, self.results, self.cells = _in_few_cells(made)
+        scopes: list[Evaluated] = []
+        parts = tuple(_part(own, scopes) for own in expressions)
+        made = _Making(parts, scopes) if any(own.tables for own in expressions) else _kept(parts)
+        self.loads, self.operations, self.results = made.loads, made.operations, made.results
+        self.cells = made.cells.copy()
+        self.given = [(place, name) for place, name, _ in made.given]
+        for place, name, scope in made.given:
+            self.cells[place] = float(scopes[scope].parameters[name])
 
     def __call__(self, values: Mapping[str, Any], functions: Any) -> list[Any]:
         """The value of each expression; arguments as of `Expression.__call__`."""
@@ -43,42 +68,58 @@ class Tape:
         return [cells[place] for place in self.results]
 
 
-class _Making:
-    """A tape in which every value has a place of its own."""
+def _part(expression: Evaluated, scopes: list[Evaluated]) -> Part:
+    """An expression without its numbers; one with new parameters or definitions joins `scopes`."""
+    numbers, definitions = expression.parameters, expression.definitions
+    same = (i for i, own in enumerate(scopes) if own.parameters is numbers and own.definitions is definitions)
+    if (scope := next(same, len(scopes))) == len(scopes):
+        scopes.append(expression)
+    steps = tuple((key, Same(own.root), end) for key, (own, end) in expression.steps.items())
+    return Part(Same(expression.root), frozenset(expression.constants), steps, frozenset(expression.static), scope)
 
-    def __init__(self) -> None:
+
+@lru_cache(maxsize=1024)
+def _kept(parts: tuple[Part, ...]) -> _Making:
+    return _Making(parts, ())
+
+
+class _Making:
+    """The parts of a tape, of expressions of which some have tables: `scopes`, as of `Part.scope`."""
+
+    def __init__(self, parts: Sequence[Part], scopes: Sequence[Evaluated]) -> None:
         self.places: dict[Hashable, int] = {}
         self.numbers: dict[int, float] = {}
         self.loads: list[tuple[int, str]] = []
-        self.given: list[tuple[int, str]] = []
-        self.operations: list[tuple[int, Work, tuple[int, ...]]] = []
+        self.given: list[tuple[int, str, int]] = []
+        self.steps: list[tuple[int, Work, tuple[int, ...]]] = []
         self.results: list[int] = []
         self.scope: dict[str, int] = {}
-        self.parameters: Mapping[str, float] = {}
-        self.definitions: Mapping[str, Evaluated] = {}
+        before: Part | None = None
+        for part in parts:
+            if before is None or part.scope != before.scope:
+                self.scope = {}  # names may mean something else than they did before
+            self.key, self.tables = part.key, scopes[part.scope].tables if scopes else {}
+            self.add(part)
+            before = part
+        self.operations, self.cells = _in_few_cells(self)
 
-    def add(self, expression: Evaluated) -> None:
-        if expression.parameters is not self.parameters or expression.definitions is not self.definitions:
-            self.scope = {}  # names may mean something else than they did before
-            self.parameters, self.definitions = expression.parameters, expression.definitions
-        self.key, self.tables = expression.key, expression.tables
-        for name in expression.constants - self.scope.keys():
-            self.scope[name] = self.parameter(name, expression.parameters[name])
-        for key, (definition, end) in expression.steps.items():
+    def add(self, part: Part) -> None:
+        for name in sorted(part.constants - self.scope.keys()):
+            self.scope[name] = self.parameter(name, part.scope)
+        for key, root, end in part.steps:
             if key not in self.scope:
-                self.scope[key] = self.place(definition.root, end)
-        self.results.append(self.place(expression.root, None))
+                self.scope[key] = self.place(root.own, end)
+        self.results.append(self.place(part.root.own, None))
 
     def new(self, what: Hashable) -> tuple[int, bool]:
         """The place of a value, and whether it is a new one."""
         known = len(self.places)
         return (place := self.places.setdefault(what, known)), place == known
 
-    def parameter(self, name: str, number: float) -> int:
-        place, new = self.new((Name, name, number))
+    def parameter(self, name: str, scope: int) -> int:
+        place, new = self.new((Name, name, scope))
         if new:
-            self.numbers[place] = float(number)
-            self.given.append((place, name))
+            self.given.append((place, name, scope))
         return place
 
     def place(self, node: Node, end: str | None) -> int:
@@ -116,21 +157,22 @@ class _Making:
     def work(self, symbol: Hashable, work: Work, operands: list[int]) -> int:
         place, new = self.new((Operation, symbol, *operands))
         if new:
-            self.operations.append((place, work, tuple(operands)))
+            self.steps.append((place, work, tuple(operands)))
         return place
 
 
-def _in_few_cells(made: _Making) -> tuple[list[tuple[int, Work, tuple[int, ...]]], list[int], list[Any]]:
-    """Operations, results and cells where what no operation needs any more gives its place to another value: values
-    may be arrays of a million points."""
-    last = {k: i for i, (_, _, operands) in enumerate(made.operations) for k in operands}
-    fixed = {*made.numbers, *(place for place, _ in made.loads), *made.results}
+def _in_few_cells(made: _Making) -> tuple[list[tuple[int, Work, tuple[int, ...]]], list[Any]]:
+    """Operations and cells where what no operation needs any more gives its place to another value: values may be
+    arrays of a million points."""
+    last = {k: i for i, (_, _, operands) in enumerate(made.steps) for k in operands}
+    own_places = (place for place, *_ in (*made.loads, *made.given))
+    fixed = {*made.numbers, *own_places, *made.results}
     moved: dict[int, int] = {}
     free: list[int] = []
     operations = []
-    for i, (place, work, operands) in enumerate(made.operations):
+    for i, (place, work, operands) in enumerate(made.steps):
         own = tuple(moved.get(k, k) for k in operands)
         free += [moved.get(k, k) for k in set(operands) if k not in fixed and last[k] == i]
         moved[place] = free.pop() if free and place not in fixed else place
         operations.append((moved[place], work, own))
-    return operations, made.results, [made.numbers.get(k) for k in range(len(made.places))]
+    return operations, [made.numbers.get(k) for k in range(len(made.places))]

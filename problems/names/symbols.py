@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from ..expressions.evaluation import Fault
-from ..expressions.expression import Expression
+from ..expressions.expression import Expression, fault_with
 from ..expressions.tree import Name, Node, Number, count, leaves
 from ..quantities import Range
 from ..schema.fields import Bounded
@@ -191,7 +191,10 @@ class Symbols:
         """What no variable can mend: a part of the expression that is constant and has no finite value."""
         if isinstance(expression.root, Number):
             return None
-        return self._of_fixed(expression).fault({})
+        known = self._fixed_in(expression)
+        return (
+            expression.bind(known, {}, tables=self.tables).fault({}) if self.tables else fault_with(expression, known)
+        )
 
     def _fixed_in(self, expression: Expression) -> dict[str, float]:
         return {n.name: self.fixed[n.name] for n in expression.leaves if n.name in self.fixed}

@@ -11,6 +11,7 @@ import copy
 import re
 from collections.abc import Iterator
 from dataclasses import field, replace
+from functools import lru_cache
 from typing import Any, NoReturn
 
 import yaml
@@ -73,6 +74,20 @@ def decode(content: bytes, file: str) -> str:
 
 def read_document(text: str, file: str) -> Document:
     """The one mapping that the text holds. Raises SpecError; `file` is the name used in its messages."""
+    known = _read(text, file)
+    return Document(_copied(known.data), known.lines, known.blocks)
+
+
+def _copied(value: Any) -> Any:
+    """Data of a document that share no mapping or list with it."""
+    if isinstance(value, dict):
+        return {key: _copied(own) for key, own in value.items()}
+    return [_copied(own) for own in value] if isinstance(value, list) else value
+
+
+@lru_cache(maxsize=1)
+def _read(text: str, file: str) -> Document:
+    """What a text holds; the last is kept, as the cases of a sweep are of one text."""
     data, composer = _compose(text, file)
     if data is None:
         raise SpecError(Mistake(file, "the file is empty", "start from an example: trajopt init NAME"))

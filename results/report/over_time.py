@@ -56,7 +56,12 @@ class Times:
         ]
 
     def marks(self, label: str, colour: str, values: Sequence[np.ndarray]) -> Series:
-        """Points of all phases, NaN where none is; arguments as of `curves`."""
+        """Points of all phases.
+
+        label: what they are called.
+        colour: of them.
+        values: of each phase at its times, NaN where no point is.
+        """
         order = np.argsort(np.concatenate(self.parts), kind="stable")
         placed = rounded_numbers(np.concatenate(values)[order]) if self.beside else joined(values, True)
         return plain_series(label, "points", colour, placed)
@@ -72,7 +77,12 @@ def _held(times: np.ndarray, own: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def plain_series(label: str, kind: str, colour: str, values: Sequence[float | None]) -> Series:
-    """What a chart has of one curve."""
+    """What a chart has of one curve.
+
+    label: what it is called.
+    kind, colour: as of `charts`.
+    values: at the times of the chart.
+    """
     return {"label": label, "kind": kind, "colour": colour, "values": values}
 
 

@@ -29,9 +29,10 @@ def asked_of_engine(refine: Refine) -> float:
     return refine.tolerance if refine.objective is None else max(ENGINE_SHARE * refine.objective, FINEST)
 
 
-def allowed_gap(refine: Refine | None, objective: float) -> float:
-    """What the barrier may leave of the objective: a part of the accuracy that is asked for, or that is the default."""
-    return GAP_SHARE * accuracy(refine) * (1 + abs(objective))
+def allowed_gap(refine: Refine | None) -> float:
+    """What the barrier may leave of the objective, relative to 1 + |J|: a part of the accuracy that is asked for, or
+    that is the default."""
+    return GAP_SHARE * accuracy(refine)
 
 
 def accuracy(refine: Refine | None) -> float:

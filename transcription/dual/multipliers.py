@@ -132,6 +132,11 @@ class Multipliers:
         return float(sum((z * s).sum() for z, s, _ in self.sides))
 
     @property
+    def largest_product(self) -> float:
+        """Of multiplier and slack, over all inequalities."""
+        return max(float((z * s).max(initial=0.0)) for z, s, _ in self.sides)
+
+    @property
     def acting_gap(self) -> tuple[float, float]:
         """What of the gap acts, and about how many inequalities act; multipliers at points stand for densities here."""
         gap = count = 0.0

@@ -148,6 +148,8 @@ def test_what_is_known_needs_neither_schema_nor_pyomo(cache):
     assert loaded() >= NOT_NEEDED
     assert not loaded() & NOT_NEEDED
     assert "pyomo" not in loaded("--set", "parameters.u_max=14")
+    large = "--segments", "1000", "--set", "solver.coarse_start=false"
+    assert "pyomo" in loaded(*large) and "pyomo" not in loaded(*large)
 
 
 def read(*given: str, file: str = "move.yaml"):

@@ -1,12 +1,13 @@
 """Starting from the multipliers of a solved neighbour: what they foretell and save, and what if they are wrong."""
 
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import process
+from command_line import trajopt
 
 from trajopt.results.sweep.case import Task, solve_case
 from trajopt.results.sweep.small import BROKEN, packed, unpacked
@@ -147,7 +148,7 @@ def chained(**kept):
     """Two neighbours of a sweep, the second from the first as its small result has it."""
     task = partial(Task, text=SWING, file="swing.yaml", overrides=(), chain=True)
     one = solve_case(task(0, {"parameters.u_max": "12"}))
-    _, left = unpacked(packed(one.record, replace(one.left, **kept)))
+    _, left = unpacked(packed(json.dumps(one.record).encode(), replace(one.left, **kept)))
     return one, left, solve_case(task(1, {"parameters.u_max": "12.2"}, origin=(0, left)))
 
 
@@ -166,7 +167,7 @@ def test_foreign_multipliers_are_no_multipliers(solved):
     one, left, _ = chained()
     text = replace(left.near, start=replace(left.near.start, y=np.array(["a", "b"])))
     with pytest.raises(BROKEN):
-        unpacked(packed(one.record, replace(one.left, near=text)))
+        unpacked(packed(json.dumps(one.record).encode(), replace(one.left, near=text)))
     for wrong in (np.nan, np.inf):
         y = np.full_like(what_is_left(solved).start.y, wrong)
         strange = replace(what_is_left(solved), start=replace(what_is_left(solved).start, y=y))
@@ -191,7 +192,7 @@ def test_a_chained_sweep_is_the_same_whatever_the_number_of_workers(folder):
     axes = ["--over", "parameters.u_max=12:12.2:3", "--over", "time.final=2,2.02", "--chain", "-q"]
     cases = []
     for jobs in ("1", "2"):
-        assert process("sweep", "swing.yaml", *axes, "-j", jobs, "-o", jobs).returncode == 0
+        assert trajopt("sweep", "swing.yaml", *axes, "-j", jobs, "-o", jobs).exit_code == 0
         files = sorted(Path(jobs, "cases").iterdir())
         cases.append([(file.name, unpacked(file.read_bytes())) for file in files])
     assert len(cases[0]) == 6
