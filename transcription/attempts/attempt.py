@@ -47,18 +47,26 @@ class Attempt:
         """
         origin, watch = replace(self.start, guess=guess, near=None), replace(self.watch, stop=limit.reached)
         settings = self.settings.within(iterations)
-        return solve_mesh(self.problem, self.finer(times), self.tolerance, settings, origin, watch)
-
-    def finer(self, times: int) -> list[Mesh]:
-        """The meshes with this many segments for each; those of phases that have no other mesh stay as they are."""
-        pairs = zip(self.problem.phases, self.meshes, strict=True)
-        return [mesh if phase.exact else mesh.divided(times) for phase, mesh in pairs]
-
-    def divisible(self, times: int) -> bool:
-        """Whether there are such meshes, and none is refused."""
-        return not all(phase.exact for phase in self.problem.phases) and not any(
-            refused(self.problem, self.finer(times))
+        return solve_mesh(
+            self.problem, divided(self.problem, self.meshes, times), self.tolerance, settings, origin, watch
         )
+
+
+def divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> list[Mesh]:
+    """The meshes with this many segments for each; those of phases that have no other mesh stay as they are.
+
+    problem: that they are of.
+    meshes: one for each phase.
+    times: as many segments.
+    """
+    pairs = zip(problem.phases, meshes, strict=True)
+    return [mesh if phase.exact else mesh.divided(times) for phase, mesh in pairs]
+
+
+def may_be_divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> bool:
+    """Whether there are such meshes, and none is refused; arguments as of `divided`."""
+    has_other = not all(phase.exact for phase in problem.phases)
+    return has_other and not any(refused(problem, divided(problem, meshes, times)))
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:

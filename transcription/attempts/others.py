@@ -13,7 +13,7 @@ from ..solution.solution import Solution
 from ..starts.drawn import chosen_parameters, other_parameters
 from ..starts.other import OtherStart, other_starts, without_effect
 from ..structure.several import may_have_several
-from .attempt import Attempt, better
+from .attempt import Attempt, better, may_be_divided
 
 MANY = "the problem may have other optima than that near its guess"
 """What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
@@ -66,7 +66,7 @@ def _one_of_many(attempt: Attempt, found: Found) -> str:
     if not may_have_several(solution, solved.nlp):
         return ""
     timeless = all(phase.static for phase in attempt.problem.phases)
-    return MANY if timeless or attempt.divisible(2) else ""
+    return MANY if timeless or may_be_divided(attempt.problem, attempt.meshes, 2) else ""
 
 
 def _stays_better(attempt: Attempt, new: Found, old: Found, limit: Limit) -> bool:

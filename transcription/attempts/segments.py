@@ -8,7 +8,7 @@ from ..engines.outcome import Status
 from ..engines.watch import Limit
 from ..one_mesh import Found
 from ..solution.solution import Solution
-from .attempt import Attempt
+from .attempt import Attempt, divided, may_be_divided
 
 CRAWLING = 800
 """Iterations of a first mesh after which more segments are tried: nine in ten of the shipped problems take 100."""
@@ -62,12 +62,12 @@ def on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | N
     why = "it crawled" if failed[0].status is Status.MAX_ITERATIONS else failed[0].status.message
     told = f"{few} segments from the start of the file led to no solution ({why})"
     for times in MORE:
-        if limit.reached() or not attempt.divisible(times):
+        if limit.reached() or not may_be_divided(attempt.problem, attempt.meshes, times):
             break
         solution, solved = attempt.run(attempt.start.guess, limit, times=times, iterations=FEW)
         if not solution.status.usable:
             continue
-        many = sum(mesh.segments for mesh in attempt.finer(times))
+        many = sum(mesh.segments for mesh in divided(attempt.problem, attempt.meshes, times))
         if attempt.settings.refine:
             return replace(solution, notes=(*solution.notes, f"{told}; {many} did")), solved
         back = attempt.run(solution.trajectories, limit)
