@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ..attempts.attempt import divided, may_be_divided
-from ..attempts.segments import MANY, MORE
+from ..attempts.segments import MANY
 from ..engines.outcome import Status
 from ..engines.watch import Limit
 from ..settings import Settings
 from ..solution.solution import Solution
-from ..transcribe import Planned
+from ..transcribe import MORE_SEGMENTS, Planned, divided, may_be_divided
 
 
 def wants_more_segments(steps: Sequence[Planned], settings: Settings, solution: Solution) -> bool:
@@ -44,7 +43,7 @@ def from_more_segments(
     """
     few, tried = sum(mesh.segments for mesh in steps[0][1]), solution.discarded
     problem, meshes, tolerance = steps[0]
-    for times in MORE:
+    for times in MORE_SEGMENTS:
         if limit.reached() or not may_be_divided(problem, meshes, times):
             break
         finer = divided(problem, meshes, times)

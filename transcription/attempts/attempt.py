@@ -12,7 +12,7 @@ from ..one_mesh import Found, Origin, solve_mesh
 from ..schemes.mesh import Mesh
 from ..settings import Settings
 from ..solution.solution import Solution
-from ..transcribe import refused
+from ..transcribe import divided
 
 
 @dataclass(frozen=True)
@@ -50,23 +50,6 @@ class Attempt:
         return solve_mesh(
             self.problem, divided(self.problem, self.meshes, times), self.tolerance, settings, origin, watch
         )
-
-
-def divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> list[Mesh]:
-    """The meshes with this many segments for each; those of phases that have no other mesh stay as they are.
-
-    problem: that they are of.
-    meshes: one for each phase.
-    times: as many segments.
-    """
-    pairs = zip(problem.phases, meshes, strict=True)
-    return [mesh if phase.exact else mesh.divided(times) for phase, mesh in pairs]
-
-
-def may_be_divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> bool:
-    """Whether there are such meshes, and none is refused; arguments as of `divided`."""
-    has_other = not all(phase.exact for phase in problem.phases)
-    return has_other and not any(refused(problem, divided(problem, meshes, times)))
 
 
 def better(new: Solution, old: Solution, sense: int) -> bool:
