@@ -33,6 +33,8 @@ def measurements_of(spec: Spec, symbols: Symbols) -> Iterator[Measured]:
 
     spec, symbols: of the phase, without mistakes.
     """
+    if not spec.measurements:
+        return
     initial, final = symbols.range(spec.time.initial), symbols.range(spec.time.final)
     ends = initial.lower, final.upper
     for name, entry in spec.measurements.items():

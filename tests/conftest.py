@@ -23,9 +23,11 @@ if "TRAJOPT_CACHE" not in os.environ:
     os.environ["TRAJOPT_CACHE"] = tempfile.mkdtemp(prefix="trajopt-tests-")
     atexit.register(shutil.rmtree, os.environ["TRAJOPT_CACHE"], ignore_errors=True)
 
-# A shell that starts the tests in the background has it ignored, and every process below would ignore it.
+# A shell that starts the tests in the background has SIGINT ignored, and nohup SIGHUP: all processes below would do so.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_collection_finish():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..errors import Mistake, SpecError
 from ..expressions.expression import Expression
 from ..names.symbols import Symbols
 from ..phases.merge import phase_specs
+from ..quantities import Function
 from ..schema.drawing import WHOLE as WHOLE_TRAIL
 from ..schema.drawing import ShapeEntry
 from ..schema.spec import Spec
@@ -40,14 +42,14 @@ def obstacles_of(spec: Spec) -> list[Shape]:
     phase = next(iter(phase_specs(spec).values()))
     symbols = Symbols(phase)
     fixed = [entry for entry in phase.drawing if entry.obstacle and _stands_still(entry, symbols)]
-    return [_shape(entry, _Values(symbols, {})) for entry in fixed]
+    return [_shape(entry, _Values(symbols.function, {})) for entry in fixed]
 
 
 def _of_file(phase: Spec) -> Drawing:
-    symbols = Symbols(phase)
+    function = cache(Symbols(phase).function)  # a film asks for the same ones in every picture
 
     def drawing(values: Mapping[str, Any]) -> list[Shape]:
-        numbers = _Values(symbols, values)
+        numbers = _Values(function, values)
         return [_shape(entry, numbers) for entry in phase.drawing]
 
     return drawing
@@ -63,15 +65,15 @@ def _stands_still(entry: ShapeEntry, symbols: Symbols) -> bool:
 class _Values:
     """The numbers of expressions at one time."""
 
-    def __init__(self, symbols: Symbols, values: Mapping[str, Any]):
-        self.symbols, self.values = symbols, values
+    def __init__(self, function: Callable[[Expression], Function], values: Mapping[str, Any]):
+        self.function, self.values = function, values
 
     def __call__(self, expression: Expression | None) -> float:
         """NaN where it has no finite value; 0 for none."""
         if expression is None:
             return 0.0
         with np.errstate(all="ignore"):
-            return float(self.symbols.function(expression)(self.values, np))
+            return float(self.function(expression)(self.values, np))
 
     def pair(self, pair: Sequence[Expression]) -> Point:
         return self(pair[0]), self(pair[1])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,8 +19,6 @@ from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 if TYPE_CHECKING:  # tables import SciPy
     from ..tables.table import Table
-
-T = TypeVar("T")
 
 
 class Evaluated(Protocol):
@@ -45,21 +43,6 @@ class Evaluated(Protocol):
     @property
     def steps(self) -> Mapping[str, tuple[Evaluated, str | None]]: ...
     def key(self, name: str, end: str | None) -> str: ...
-
-
-class Same(Generic[T]):
-    """A record as a key: it is the same as itself only, and hashed without a walk through what is in it."""
-
-    __slots__ = ("own",)
-
-    def __init__(self, own: T) -> None:
-        self.own = own
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Same) and self.own is other.own
-
-    def __hash__(self) -> int:
-        return id(self.own)
 
 
 class Fault(NamedTuple):

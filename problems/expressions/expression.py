@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..lean.records import dataclass, only_fields
+from ..lean.same import Same
 from ..quantities import Function
 from ..text import shorten, tidy
-from .evaluation import Fault, Same, Walk, first_fault
+from .evaluation import Fault, Walk, first_fault
 from .tape import Tape
 from .tokens import ExpressionError
 from .tree import Link, Name, Node, OperatorChain, nodes, parse_tree
@@ -144,8 +145,9 @@ class Expression:
 
     def constant(self) -> float:
         """The value of an expression of parameters alone: a float, which is not finite where `fault` says why."""
-        with np.errstate(all="ignore"):
-            return float(Walk({}, np, np.float64).evaluate(self))
+        if self.tables or self.steps:
+            return _constant(self)
+        return _constant_with(Same(self.root), tuple((name, float(self.parameters[name])) for name in self.constants))
 
 
 Together = Callable[[Mapping[str, Any], Any], list[Any]]
@@ -161,6 +163,16 @@ def together(functions: Sequence[Function]) -> Together:
     if len(expressions) == len(functions):
         return Tape(expressions)
     return lambda values, module: [own(values, module) for own in functions]
+
+
+def _constant(expression: Expression) -> float:
+    with np.errstate(all="ignore"):
+        return float(Walk({}, np, np.float64).evaluate(expression))
+
+
+@lru_cache(maxsize=4096)
+def _constant_with(root: Same[Node], numbers: tuple[tuple[str, float], ...]) -> float:
+    return _constant(Expression("", root.own, dict(numbers)))
 
 
 def fault_with(expression: Expression, numbers: Mapping[str, float]) -> Fault | None:

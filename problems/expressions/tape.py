@@ -10,7 +10,8 @@ from collections.abc import Hashable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from .evaluation import Evaluated, Same, Work, work_of
+from ..lean.same import Same
+from .evaluation import Evaluated, Work, work_of
 from .tree import Lookup, Name, Node, Number, Operation, OperatorChain
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Mapping
 from io import BytesIO
 from typing import Any
 
@@ -24,9 +23,13 @@ BROKEN = (
 """What `unpacked` may raise."""
 
 
-def packed(record: Mapping[str, Any], left: Left) -> bytes:
-    """The content of the file."""
-    arrays: dict[str, Any] = {"record": np.frombuffer(json.dumps(record).encode(), np.uint8)}
+def packed(record: bytes, left: Left) -> bytes:
+    """The content of the file.
+
+    record: as JSON.
+    left: by the case.
+    """
+    arrays: dict[str, Any] = {"record": np.frombuffer(record, np.uint8)}
     heads = {}
     for name, guess in left.curves.items():
         heads[name] = [guess.initial_time, guess.final_time, dict(guess.parameters), list(guess.values)]

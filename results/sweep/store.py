@@ -33,6 +33,8 @@ from .small import BROKEN, packed, unpacked
 FORMAT, VERSION = "trajopt sweep", 1
 ABOUT, CASES, RESULTS = "sweep.json", "cases", "results"
 TABLE, ARRAYS = "index.csv", "sweep.h5"
+RECENT = 64
+"""Cases whose small results are at hand for their neighbours, which mostly come next."""
 _COMPARED = {"text": "problem file", "overrides": "overrides", "design": "design", "axes": "axes", "chain": "chaining"}
 
 
@@ -44,6 +46,7 @@ class Store:
         self.index = folder / ("index-{}-of-{}.jsonl".format(*shard) if shard else "index.jsonl")
         self.shared = shard is not None
         self.records: dict[int, dict[str, Any]] = {}
+        self.recent: dict[int, Left] = {}
         self.locks: list[Lock] = []
         self.stream: FileIO | None = None
 
@@ -165,19 +168,26 @@ class Store:
     def keep(self, answer: Answer) -> None:
         """Write all that is kept of a case. Raises FileError."""
         record = answer.record
+        line = json.dumps(record, allow_nan=False).encode()
         if record["key"]:
             if answer.image:
                 write_whole(self.result(record), answer.image)
-            write_whole(self.folder / CASES / f"{record['key']}.npz", packed(record, answer.left))
-        line = json.dumps(record, allow_nan=False).encode() + b"\n"
+            write_whole(self.folder / CASES / f"{record['key']}.npz", packed(line, answer.left))
         with self._told(self.index):
-            append(self.stream, line)
+            append(self.stream, line + b"\n")
         self.records[record["case"]] = record
+        self.recent[record["case"]] = answer.left
+        if len(self.recent) > RECENT:
+            del self.recent[next(iter(self.recent))]
 
     def left(self, number: int) -> Left | None:
         """What a solved case leaves for its neighbours; None if it is not solved, or that is lost."""
         record = self.records.get(number)
-        small = _small(self.folder, record["key"]) if record and record["solved"] else None
+        if not record or not record["solved"]:
+            return None
+        if number in self.recent:
+            return self.recent[number]
+        small = _small(self.folder, record["key"])
         return small[1] if small else None
 
     @contextmanager

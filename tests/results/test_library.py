@@ -251,11 +251,20 @@ def test_fewer_digits_are_told_by_a_finer_solve(objective, source, finer, standi
     assert (finer is None) == (": " not in cells(row)["published digits"])
 
 
-@pytest.mark.parametrize(("name", "standing"), [("singular_double_integrator", FINE), ("cartpole_min_time", EXCLUDED)])
-def test_a_finer_solve_is_made_where_digits_are_short(tmp_path, name, standing):
-    row = solve_one(name, tmp_path, verified=False)
-    assert row.complete is False and row.standing == standing
+def test_a_finer_solve_is_made_where_digits_are_short(tmp_path):
+    row = solve_one("singular_double_integrator", tmp_path, verified=False)
+    assert row.complete is False and row.standing == FINE
     assert row.finer.bar < row.bar
+
+
+@pytest.mark.parametrize(("book", "standing"), [("13.88888889", FINE), ("13.8888", EXCLUDED)])
+def test_a_finer_solve_tells_a_book_that_rounds_from_one_that_errs(book, standing):
+    """The speed limit's exact optimum is 125/9."""
+    spec = load(shipped()["speed_limit"], [f"reference.objective={book}", "reference.source=a book"])
+    solution = solve_spec(spec, build_all(spec))
+    row = finest(row_of("speed_limit", spec, solution, [], (0.0, 0.0)), spec, solution)
+    assert row.complete is False and row.standing == standing
+    assert abs(row.finer.objective - 125 / 9) < row.finer.bar < row.bar
 
 
 def test_a_bar_holds_up_to_the_tolerance_of_the_reference():

@@ -1,4 +1,4 @@
-"""Texts of 200 000 characters where a few are meant: told at once, by patterns that look at each character once."""
+"""Texts of 60 000 characters where a few are meant: told at once, by patterns that look at each character once."""
 
 import json
 
@@ -7,7 +7,7 @@ import pytest
 from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load_text
 
-LENGTH = 200_000
+LENGTH = 60_000
 LONG = {
     "a word": "x" * LENGTH,
     "digits": "1" * LENGTH,

@@ -114,7 +114,7 @@ class CompiledNLP:
 
     def move(self, z: np.ndarray) -> None:
         """Read z into the arguments of every family, unless it is there already."""
-        if np.array_equal(z, self._numbers[: self.n]):
+        if (z == self._numbers[: self.n]).all():
             return
         self._numbers[: self.n] = z
         for f in self._families:
@@ -175,9 +175,9 @@ class CompiledNLP:
         y: (m,) multipliers of g.
         sigma: of f.
         """
-        weights = np.append(y, sigma)
+        weights = np.concatenate([y, [sigma]])
         for f, _ in self._hessian:
-            f.weights[:] = weights[f.rows]
+            f.weights[:] = weights.take(f.rows)
         return self._derivatives("hessian", self._hessian)
 
     def lagrangian_terms(self, z: np.ndarray, y: np.ndarray) -> Iterator[tuple]:

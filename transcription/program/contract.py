@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import wraps
+from math import isfinite
 from typing import Any, Protocol
 
 import numpy as np
@@ -136,6 +137,11 @@ class WithTerm:
         return np.concatenate([self.nlp.hessian(z, y, sigma), sigma * self.term.hessian(z)])
 
 
+def _finite(values: Any) -> bool:
+    """Whether a number, or all of an array, are finite: so is the sum of their squares, but for an overflow."""
+    return isfinite(np.dot(values, values)) or bool(np.isfinite(values).all())
+
+
 def callback(method: Callable) -> Callable:
     """A function of z of a nonlinear program: its class has `move` to z, and `culprits` of what is not finite."""
     name = method.__name__
@@ -147,7 +153,7 @@ def callback(method: Callable) -> Callable:
             with np.errstate(all="ignore"):  # what is not finite is raised
                 self.move(z)
                 values = method(self, z, *args)
-            if not np.isfinite(values).all():
+            if not _finite(values):
                 raise NotFinite(name, self.culprits(name, values))
             return values
         finally:

@@ -106,6 +106,23 @@ def test_one_that_holds_itself_is_told():
     assert repr(point) == "Point(x=1, y=[...])"
 
 
-def test_with_slots_it_is_the_librarys():
-    (ours, _) = own_and_library({"b": dataclasses.field(default=2)}, slots=True)
-    assert "__slots__" in vars(ours)
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [((), {}), ((1, 2, 3), {}), ((1,), {"a": 2}), ((1,), {"c": 3}), ((), {"b": 1}), ((1, 2), {"a": 1, "b": 2})],
+)
+def test_wrong_arguments_are_refused_as_by_the_library(values, named):
+    for kind in own_and_library({}, frozen=True):
+        with pytest.raises(TypeError):
+            kind(*values, **named)
+
+
+@pytest.mark.parametrize(("values", "named"), [((1,), {}), ((1, 5), {}), ((), {"b": 5, "a": 1}), ((1,), {"b": 5})])
+def test_fields_are_given_by_place_or_by_name(values, named):
+    ours, theirs = own_and_library({})
+    assert vars(ours(*values, **named)) == vars(theirs(*values, **named))
+
+
+def test_a_field_by_name_alone():
+    assert Mass(1, [], "q", kg=2).kg == 2
+    with pytest.raises(TypeError, match="has the fields x, y, name, kg"):
+        Mass(1, [], "q", 2)

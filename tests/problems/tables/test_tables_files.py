@@ -2,10 +2,9 @@
 
 import json
 import re
-import subprocess
-import sys
 
 import broken
+import command_line
 import numpy as np
 import pytest
 from repository import ROOT
@@ -15,7 +14,6 @@ from trajopt.problems.errors import SpecError
 from trajopt.problems.load import load, load_text
 from trajopt.results.file.reload import stored_spec
 
-TRAJOPT = [sys.executable, "-m", "trajopt.cli.main"]
 PROBLEM = """\
 trajopt: 1
 tables:
@@ -114,15 +112,15 @@ def test_a_text_has_no_csv_file():
 def test_a_result_needs_no_csv_file(tmp_path):
     """It is verified, read, and starts another solve when the CSV file is gone."""
     path, result = folder_with(tmp_path), tmp_path / "out.h5"
-    subprocess.run([*TRAJOPT, "solve", path, "-o", result], check=True, capture_output=True)
+    assert command_line.trajopt("solve", path, "-o", result).exit_code == 0
     entry = load(path).tables["drag"]
     (tmp_path / "data" / "drag.csv").unlink()
     assert stored_spec(result).tables["drag"] == entry
-    verified = subprocess.run([*TRAJOPT, "verify", result], capture_output=True, text=True, check=False)
-    assert verified.returncode == 0, verified.stdout + verified.stderr
+    verified = command_line.trajopt("verify", result)
+    assert verified.exit_code == 0, verified.output
     assert trajopt.read(result)["v"](0.5) > 1
-    gone = subprocess.run([*TRAJOPT, "check", path], capture_output=True, text=True, check=False)
-    assert gone.returncode == 2 and "there is no file data/drag.csv" in gone.stderr and "problem.yaml:3" in gone.stderr
+    gone = command_line.trajopt("check", path)
+    assert gone.exit_code == 2 and "there is no file data/drag.csv" in gone.stderr and "problem.yaml:3" in gone.stderr
 
 
 def test_overrides_of_a_table(tmp_path):
@@ -145,12 +143,9 @@ def test_a_sweep_of_workers_looks_tables_up(tmp_path):
         text=PROBLEM.replace("states:", "parameters: {d: 1}\nstates:").replace("final: 1}\n  v", "final: d}\n  v"),
     )
     out = tmp_path / "sweep"
-    command = [*TRAJOPT, "sweep", path, "--over", "parameters.d=0.8:1:2", "-o", out, "--jobs", "2", "--json"]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert ran.returncode == 0, ran.stderr
-    alone = subprocess.run(
-        [*TRAJOPT, "solve", path, "-o", tmp_path / "a.h5", "--json"], capture_output=True, text=True, check=True
-    )
+    ran = command_line.trajopt("sweep", path, "--over", "parameters.d=0.8:1:2", "-o", out, "--jobs", "2", "--json")
+    assert ran.exit_code == 0, ran.stderr
+    alone = command_line.trajopt("solve", path, "-o", tmp_path / "a.h5", "--json")
     index = (out / "index.csv").read_text().splitlines()
     column = index[0].split(",").index("objective")
     assert float(index[2].split(",")[column]) == pytest.approx(json.loads(alone.stdout)["objective"], rel=1e-8)

@@ -106,8 +106,8 @@ def test_one_json_line_a_case(push):
 
 def test_a_section_of_the_file_and_standard_input(push):
     text = TEXT + "sweep: {over: {parameters.l: '1:2:3', parameters.T: [1, 2, 3]}, zip: true}\n"
-    run = process("sweep", "-", "-q", "-j", "1", input=text)
-    assert (run.returncode, run.output if hasattr(run, "output") else run.stdout) == (0, "")
+    run = trajopt("sweep", "-", "-q", "-j", "1", given=text)
+    assert (run.exit_code, run.stdout) == (0, "")
     rows = table("stdin-sweep")
     assert [(row["parameters.l"], row["parameters.T"]) for row in rows] == [("1.0", "1"), ("1.5", "2"), ("2.0", "3")]
 
@@ -131,8 +131,8 @@ def test_mistakes_in_the_section(folder, section, says):
 
 
 def test_cases_that_fail_are_told_by_their_reason(push):
-    run = process("sweep", "push.yaml", "--over", "parameters.l=1,8,9", "-j", "2")
-    assert run.returncode == 1 and told(run.stderr) == []
+    run = trajopt("sweep", "push.yaml", "--over", "parameters.l=1,8,9", "-j", "2")
+    assert run.exit_code == 1 and told(run.stderr) == []
     title, cases, failed, *_ = run.stdout.splitlines()
     assert (title, cases) == ("push: 1 of 3 cases solved", "cases       3, 1 solved, 2 failed")
     assert failed.startswith("failed      2 cases ")
@@ -142,15 +142,15 @@ def test_cases_that_fail_are_told_by_their_reason(push):
 def test_a_mistake_that_only_a_worker_finds(push):
     """Every value is right with the first values of the other axes, but not every combination."""
     arguments = ["--over", "states.x.lower=-1,1.5", "--over", "parameters.l=2,1", "--set", "states.x.initial="]
-    run = process("sweep", "push.yaml", *arguments)
-    assert run.returncode == 2
+    run = trajopt("sweep", "push.yaml", *arguments)
+    assert run.exit_code == 2
     assert told(run.stderr)[0].startswith("error: --over states.x.lower=1.5, parameters.l=1: push.yaml:")
     assert run.stdout.startswith("push: 3 of 4 cases solved\n") and len(table("push-sweep")) == 4
 
 
 def test_a_killed_parent_loses_nothing(folder):
     """kill -9 in the middle; its workers end as well, and the same command goes on."""
-    assert process(*SLOW, "-q", "-o", "whole").returncode == 0
+    assert trajopt(*SLOW, "-q", "-o", "whole").exit_code == 0
     with started(*SLOW, "-q", "-o", "a") as run:
         wait_until(lambda: len(index("a")) >= 2, run)
         below = children(run.pid)
@@ -160,14 +160,16 @@ def test_a_killed_parent_loses_nothing(folder):
     assert 2 <= len(before) < 6 and not Path("a/index.csv").exists()
     with open("a/index.jsonl", "ab") as file:
         file.write(b'{"case": 5, "key": "abc')
-    assert process(*SLOW, "-q", "-o", "a").returncode == 0
+    assert trajopt(*SLOW, "-q", "-o", "a").exit_code == 0
     lines = Path("a/index.jsonl").read_text().splitlines()
     assert len(lines) == 7  # one is torn
     assert table("a") == table("whole")
 
 
 @pytest.mark.parametrize("server", [False, True], ids=["worker", "fork server too"])
-def test_a_killed_worker_changes_nothing_but_time(folder, server):
+def test_a_killed_worker_changes_nothing_but_time(folder, server, monkeypatch):
+    """Its programs are new, so that it has loaded all that it ever loads."""
+    monkeypatch.setenv("TRAJOPT_CACHE", str(folder / "cache"))
     arguments = [*SLOW, "--over", "parameters.d=1"]
     with started(*arguments) as run:
         wait_until(lambda: index("cartpole-sweep"), run)
@@ -224,7 +226,7 @@ def test_a_cluster_that_is_not_there(push, monkeypatch):
 def test_the_same_results_on_a_cluster(push):
     """Bit for bit, and without a word, though one of its workers is killed midway."""
     distributed = pytest.importorskip("distributed")
-    assert process(*GRID, "-q", "-o", "here").returncode == 0
+    assert trajopt(*GRID, "-q", "-o", "here").exit_code == 0
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         engine = ClusterEngine(cluster.scheduler_address)
         assert engine.capacity == 2
@@ -238,8 +240,8 @@ def test_the_same_results_on_a_cluster(push):
 
 
 def test_solving_what_is_piped_in(folder):
-    run = process("solve", "-", input=TEXT)
-    assert run.returncode == 0 and run.stdout.startswith("push: solved\n")
+    run = trajopt("solve", "-", given=TEXT)
+    assert run.exit_code == 0 and run.stdout.startswith("push: solved\n")
     assert [path.name for path in folder.iterdir()] == ["stdin.h5"]
     assert trajopt("show", "stdin.h5").exit_code == 0
     wrong = trajopt("solve", "-", given=TEXT.replace("rate: u", "rate: w"))

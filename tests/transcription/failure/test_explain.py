@@ -1,6 +1,7 @@
 """What would have to give way: exact where the least change is known, and as `solve` and `explain` tell it."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,10 +28,11 @@ states:
   v: {rate: u, initial: 2, final: 0, lower: -2, upper: 3}
 controls: {u: {lower: -1, upper: 1}}
 objective: {minimize: {terminal: "t[final]"}}
-mesh: [{method: hermite-simpson, segments: 10}]
+mesh: [{method: hermite-simpson, segments: 6}]
 """
 
 
+@cache
 def explained(text: str):
     spec = load_text(text, "x.yaml")
     own = build(spec)

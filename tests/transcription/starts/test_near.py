@@ -1,5 +1,6 @@
 """Starting from the multipliers of a solved neighbour: what they foretell and save, and what if they are wrong."""
 
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -147,7 +148,7 @@ def chained(**kept):
     """Two neighbours of a sweep, the second from the first as its small result has it."""
     task = partial(Task, text=SWING, file="swing.yaml", overrides=(), chain=True)
     one = solve_case(task(0, {"parameters.u_max": "12"}))
-    _, left = unpacked(packed(one.record, replace(one.left, **kept)))
+    _, left = unpacked(packed(json.dumps(one.record).encode(), replace(one.left, **kept)))
     return one, left, solve_case(task(1, {"parameters.u_max": "12.2"}, origin=(0, left)))
 
 
@@ -166,7 +167,7 @@ def test_foreign_multipliers_are_no_multipliers(solved):
     one, left, _ = chained()
     text = replace(left.near, start=replace(left.near.start, y=np.array(["a", "b"])))
     with pytest.raises(BROKEN):
-        unpacked(packed(one.record, replace(one.left, near=text)))
+        unpacked(packed(json.dumps(one.record).encode(), replace(one.left, near=text)))
     for wrong in (np.nan, np.inf):
         y = np.full_like(what_is_left(solved).start.y, wrong)
         strange = replace(what_is_left(solved), start=replace(what_is_left(solved).start, y=y))
