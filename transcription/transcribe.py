@@ -217,7 +217,10 @@ def divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> list[Mesh]:
 
 
 def may_be_divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> bool:
-    """Whether there are such meshes, and none is refused; arguments as of `divided`."""
+    """Whether there are such meshes, and none is refused.
+
+    problem, meshes, times: as of `divided`.
+    """
     has_other = not all(phase.exact for phase in problem.phases)
     return has_other and not any(refused(problem, divided(problem, meshes, times)))
 
