@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import process
+from command_line import trajopt
 
 from trajopt.results.sweep.case import Task, solve_case
 from trajopt.results.sweep.small import BROKEN, packed, unpacked
@@ -192,7 +192,7 @@ def test_a_chained_sweep_is_the_same_whatever_the_number_of_workers(folder):
     axes = ["--over", "parameters.u_max=12:12.2:3", "--over", "time.final=2,2.02", "--chain", "-q"]
     cases = []
     for jobs in ("1", "2"):
-        assert process("sweep", "swing.yaml", *axes, "-j", jobs, "-o", jobs).returncode == 0
+        assert trajopt("sweep", "swing.yaml", *axes, "-j", jobs, "-o", jobs).exit_code == 0
         files = sorted(Path(jobs, "cases").iterdir())
         cases.append([(file.name, unpacked(file.read_bytes())) for file in files])
     assert len(cases[0]) == 6
