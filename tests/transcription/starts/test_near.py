@@ -240,8 +240,8 @@ def test_a_case_starts_from_what_both_neighbours_foretell(folder):
     Path("swing.yaml").write_text(SWING)
     records = {}
     for name, values in (("line", "12,12.1,12.2,12.3,12.4,12.5"), ("alone", "12.4,12.5")):
-        run = process("sweep", "swing.yaml", "--over", f"parameters.u_max={values}", "--chain", "-q", "-o", name)
-        assert run.returncode == 0
+        run = trajopt("sweep", "swing.yaml", "--over", f"parameters.u_max={values}", "--chain", "-q", "-o", name)
+        assert run.exit_code == 0
         records[name] = [json.loads(line) for line in Path(name, "index.jsonl").read_text().splitlines()]
     line, alone = records["line"][-1], records["alone"][-1]
     assert line["values"] == alone["values"] and line["start"] == "case 4"
