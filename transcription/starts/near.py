@@ -93,7 +93,11 @@ Moved = TypeVar("Moved", float, np.ndarray)
 
 
 def further(here: Moved, earlier: Moved, share: float) -> Moved:
-    """A step on from `here`, as long as that from `earlier` times `share`; numbers, or arrays of one shape."""
+    """A step on, as long as the last one times a share.
+
+    here, earlier: the end and the beginning of the last one: numbers, or arrays of one shape.
+    share: above 0.
+    """
     return here + share * (here - earlier)
 
 
