@@ -23,6 +23,9 @@ from .violation import Violation
 LARGEST_ERROR = 1e-2
 """Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
 
+NO_TRAJECTORY = 1.0
+"""Relative error of what is no trajectory of the dynamics at all."""
+
 
 ENDED = {
     Status.INTERRUPTED: "was interrupted",
@@ -168,6 +171,11 @@ class Solution:
     def solved(self) -> bool:
         """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
+
+    @property
+    def is_no_trajectory(self) -> bool:
+        """Whether the dynamics are missed by as much as the states are large."""
+        return self.meshes[-1].relative_error >= NO_TRAJECTORY
 
     @property
     def inaccurate(self) -> str:
