@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ..problems.conserved.invariant import told_as_kept
 from ..problems.problem import Curves, Problem
 from .again.completed import completed
 from .again.kept import Candidates, Kept
@@ -15,7 +14,6 @@ from .again.same_mesh import from_coarser, from_lower, sharpened, with_damping, 
 from .again.tightened import tightened
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
-from .failure.runaway import runaway_times
 from .first_mesh import solve_first_mesh
 from .one_mesh import Found, Origin, solve_mesh
 from .pontryagin.needles import Lower, lower_hamiltonian
@@ -154,9 +152,10 @@ class _Loop:
         """Make a solution the one to give back, and see what comes after it."""
         self.last, self.lower, self.sharp = found, None, self._settings(number).gap is not None
         self.history.extend(found[0].meshes)
-        if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
-            asked = self.settings.refine
-            self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
+        if found[0].status.usable and number + 1 >= self.scheduled:
+            self.stopped = unmeasurable(found[0])
+            if (asked := self.settings.refine) and not self.stopped:
+                self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
         self.candidates.add(Kept(found, self.unmet, len(self.history)), number + 1 >= self.scheduled)
 
     def _back_to_the_best(self) -> None:
@@ -190,7 +189,7 @@ class _Loop:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
         watch, settings = self._watch(), self._settings(number)
         if number:
-            found = from_coarser(self.steps[number], settings, start, watch)
+            found = from_coarser(self.steps[number], settings, start, watch, asked=number < self.scheduled)
         else:
             found = solve_first_mesh(*self.steps[number], settings, start, watch)
             problem, _, tolerance = self.steps[number]
@@ -252,9 +251,6 @@ class _Loop:
     def _refine(self, number: int, found: Found, refine: Refine) -> None:
         """Add the next mesh, if there is to be one, and say what is not good enough."""
         solution = found[0]
-        if why_not := unmeasurable(solution):
-            self.stopped = why_not
-            return
         merge = number + 1 - self.scheduled <= MERGING_MESHES
         left = self.scheduled + refine.max_meshes - len(self.steps)
         exact = min(self.steps[self.scheduled - 1][2], asked_of_engine(refine))  # what is looser shows in the error
@@ -280,9 +276,8 @@ class _Loop:
             gap = allowed_gap(self.settings.refine) * (1 + abs(solution.objective))
             solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
-            completed(solution, solved),
+            solution,
             meshes=(*self.history[:-1], solution.meshes[-1]),
             unmet=self.unmet,
             stopped=self.stopped,
@@ -290,6 +285,7 @@ class _Loop:
             accept=self.settings.accept,
             notes=notes,
         )
+        solution = completed(solution, solved)
         if not self.lower or not solution.objective_error.applies:
             return solution
         told = f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}"

@@ -14,6 +14,7 @@ from ..starts.drawn import chosen_parameters, other_parameters
 from ..starts.other import OtherStart, other_starts, without_effect
 from ..structure.several import may_have_several
 from .attempt import Attempt, better
+from .lasting import run_lasting
 
 MANY = "the problem may have other optima than that near its guess"
 """What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
@@ -42,7 +43,7 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
         if limit.reached():
             break
         tried += 1
-        found = attempt.run(other.guesses, limit)
+        found = run_lasting(attempt, other.guesses, limit)
         if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(attempt, found, best, limit)):
             best, words = found, other.words
             if not doubt:
