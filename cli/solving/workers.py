@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from ...problems.lean.hidden import Onlooker
 from ..streams import NAMES
+
+if TYPE_CHECKING:
+    from multiprocessing.process import BaseProcess
 
 
 def prepare_workers(flag: Any) -> None:
@@ -18,17 +21,16 @@ def prepare_workers(flag: Any) -> None:
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     os.dup2(NAMES.index("stderr"), NAMES.index("stdout"))
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    import multiprocessing
+
+    if (parent := multiprocessing.parent_process()) is not None:
+        Onlooker(target=_end_with, args=(parent,), daemon=True).start()
     from ...results.sweep.case import watch
 
     watch(flag)
 
 
-def _end_with_parent() -> None:
+def _end_with(parent: BaseProcess) -> None:
     """However the parent ends, also by kill -9."""
-    import multiprocessing
-
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+    parent.join()
+    os._exit(1)

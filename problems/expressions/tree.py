@@ -16,7 +16,7 @@ from .slips import DURATION, ENDS, MAX_PARENTHESES, RATE, check_syntax
 from .tokens import ExpressionError
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Node:
     """A piece of the expression; start and stop are its span in the text."""
 
@@ -24,12 +24,12 @@ class Node:
     stop: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Number(Node):
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Name(Node):
     """A named value; `end` is "initial" or "final" where it is taken at an end of time, else None.
 
@@ -42,7 +42,7 @@ class Name(Node):
     end: str | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Operation(Node):
     """A function of the table `functions.FUNCTIONS`, minus its operand ("-"), or the power of two ("**").
 
@@ -53,7 +53,7 @@ class Operation(Node):
     operands: tuple[Node, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Lookup(Node):
     """A table of data at its arguments, or a function of the file, which `language.functions` writes out."""
 
@@ -61,7 +61,7 @@ class Lookup(Node):
     operands: tuple[Node, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Link(Node):
     """One operator of a chain and its right operand; the span is that of the chain up to here."""
 
@@ -69,7 +69,7 @@ class Link(Node):
     operand: Node
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OperatorChain(Node):
     """first + second - third ..., from the left: kept flat so that a sum of 1000 terms is not 1000 levels deep."""
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
-from ..lean.same import Same
 from ..schema.spec import Spec
 from ..yaml.locations import Finding
 from .functions import without_functions
@@ -25,12 +22,6 @@ def in_plain(spec: Spec, suffix: str = "") -> tuple[Spec, list[Finding]]:
     spec: as the schema has passed it.
     suffix: of the names of parameters that are made for it, different for each phase.
     """
-    return _in_plain(Same(spec), suffix)
-
-
-@lru_cache(maxsize=4)
-def _in_plain(written: Same[Spec], suffix: str) -> tuple[Spec, list[Finding]]:
-    """Kept of the last few, as checks, guesses and the problem each ask for it."""
-    spec, mistaken = without_functions(written.own)
+    spec, mistaken = without_functions(spec)
     spec, refused = integrals_as_states(spec)
     return times_as_parameters(means_as_states(rates_written_out(spec)), suffix), mistaken + refused

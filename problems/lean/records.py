@@ -1,8 +1,7 @@
 """`dataclass` as the standard library has it, made in a twentieth of the time: there are 130, made at each start.
 
 The standard library writes and compiles six methods a class. Here all classes share theirs, which look at the fields
-when they are called. With `slots` it is the library's own. A frozen class of ours has no frozen subclass of the
-library's.
+when they are called. A frozen class of ours has no frozen subclass of the library's, and none has slots.
 """
 
 from __future__ import annotations
@@ -20,19 +19,16 @@ if TYPE_CHECKING:
     from dataclasses import dataclass
 else:
 
-    def dataclass(cls=None, /, *, repr=True, eq=True, frozen=False, slots=False):
+    def dataclass(cls=None, /, *, repr=True, eq=True, frozen=False):
         """The class with the methods that `dataclasses.dataclass` gives it.
 
         cls: the class; None in `@dataclass(...)`.
         repr: told by its fields; else as any object.
         eq: compared and, if frozen, hashed by its fields; else by identity.
         frozen: a field that is set stays: FrozenInstanceError.
-        slots: as of the standard library.
         """
         if cls is None:
-            return partial(dataclass, repr=repr, eq=eq, frozen=frozen, slots=slots)
-        if slots:
-            return dataclasses.dataclass(cls, repr=repr, eq=eq, frozen=frozen, slots=True)
+            return partial(dataclass, repr=repr, eq=eq, frozen=frozen)
         shared: dict[str, Any] = {"__init__": _init} | ({"__repr__": _repr} if repr else {})
         if eq:
             shared["__eq__"] = _eq

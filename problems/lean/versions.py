@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+from functools import cache
 
 
 def version(package: str) -> str:
@@ -19,7 +20,7 @@ def version(package: str) -> str:
     """
     own = re.compile(rf"{re.escape(package)}-([^-]+)\.dist-info", re.IGNORECASE)
     for folder in sys.path:
-        for name in _names(folder):
+        for name in names_in(folder or os.curdir):
             if (found := own.fullmatch(name)) and os.path.isfile(os.path.join(folder, name, "METADATA")):
                 return found[1]
     from importlib.metadata import version
@@ -27,9 +28,10 @@ def version(package: str) -> str:
     return version(package)
 
 
-def _names(folder: str) -> list[str]:
-    """What is in a folder; nothing where it is none that can be read."""
+@cache
+def names_in(folder: str) -> tuple[str, ...]:
+    """What was in a folder when it was first asked for; nothing where it is none that can be read."""
     try:
-        return os.listdir(folder or os.curdir)
+        return tuple(os.listdir(folder))
     except OSError:
-        return []
+        return ()

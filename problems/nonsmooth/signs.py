@@ -99,6 +99,7 @@ class Monotone:
         return found
 
     def _slopes_of_chain(self, chain: OperatorChain) -> list[Signs]:
+        # From the last link, so that `above`, the slope of the whole by all that stands left of a link, is known at it.
         slopes, above = [], POSITIVE
         for link, left in zip(reversed(chain.links), reversed(self._partial(chain)[:-1]), strict=True):
             operand = self.signs(link.operand)
@@ -123,7 +124,7 @@ class Monotone:
             by_base = self.signs(exponent)
         elif n is not None and (n >= 0 or signs != EITHER):  # a negative power has a pole at zero
             by_base = product_of_signs(POSITIVE if n >= 0 else NEGATIVE, signs if n % 2 == 0 else POSITIVE)
-            if n % 1:
+            if n % 1:  # no whole number: where the power has a value, its base is positive, whatever its bounds say
                 by_base = POSITIVE if n >= 0 else NEGATIVE
         by_exponent = EITHER if b is None else POSITIVE if b >= 1 else NEGATIVE
         return [by_base, by_exponent]

@@ -3,7 +3,8 @@
 A name without a unit is unknown, and nothing follows from it. A number has no unit of its own and adapts: added to
 something it is in that unit. As a factor it is a pure number where it looks like one, as in m*v**2/2 or 4/3*pi*r**3;
 any other, as in 9.81*m or 0.005*u**2, may stand for something with a unit, and what it is a factor of is unknown. So
-is a number times the time (2*t may be an angle), and what a function takes may have numbers as factors: sin(2*x).
+is a number times the time (2*t may be an angle), and what a function takes may have numbers as factors: sin(2*x), and
+be the time. A number times a pure number is a number: the 5 of T0 + 5*sin(w*t) is in the unit of T0.
 """
 
 from __future__ import annotations
@@ -199,7 +200,7 @@ class _Walk:
         if not isinstance(value, Measure):
             return None
         plain = angle() if kind is OfUnits.ANGLE else pure()
-        if not value.numeric and not same(value, plain):
+        if not (value.numeric or value.clock) and not same(value, plain):
             operand = self.quoted(node.operands[0])
             what = f"{node.symbol} takes a pure number or an angle in rad, and {operand} is {value.told}"
             self.found(what, mended(value, angle()) if value.pure else f"divide it by something in {value}")
@@ -227,7 +228,11 @@ def _product(a: Value, b: Value, divide: bool) -> Value:
     if isinstance(a, Literal) and isinstance(b, Literal):
         return Literal(a.plain and b.plain)
     measure, factor = (a, b) if isinstance(a, Measure) else (b, a)
-    if not isinstance(measure, Measure) or not isinstance(factor, Literal) or not factor.plain or measure.clock:
+    if not isinstance(measure, Measure) or not isinstance(factor, Literal):
+        return None
+    if measure.bare:
+        return factor
+    if not factor.plain or measure.clock:
         return None
     inverted = divide and measure is b
     return Measure((measure.power(-1) if inverted else measure).quantity, numeric=True)

@@ -66,6 +66,11 @@ class Measure:
         """Whether it is of a pure number or an angle, whatever the scale."""
         return not any(round(power, 9) for power in self.quantity.dimensionality.values())
 
+    @property
+    def bare(self) -> bool:
+        """Whether it is of a pure number in units of one, as sin(x) and a ratio; not of an angle."""
+        return bool(self.quantity.unitless) and abs(self.scale - 1) < ROUNDING
+
     def __str__(self) -> str:
         if self.text and self.text not in PLAIN:
             return self.text

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ..text import nearest
 from ..yaml.document import Path
 from .lines import entry, flow
+from .mappings import kind_of
 from .renamed import RENAMED
 
 
@@ -223,7 +224,7 @@ def key_wish(path: Path, value: Any) -> Wish | None:
     path: of the key.
     value: that was given for it.
     """
-    kind, word = _kind(path[:-1]), str(path[-1])
+    kind, word = kind_of(path[:-1]), str(path[-1])
     if assigned := re.fullmatch(r"(\w+)\s*=\s*(\S.*)", word):  # a = {b: c}, which YAML reads as the key "a = {b"
         return Wish(assigned[1], "an entry has a colon, not =", f"{assigned[1]}: {assigned[2]}: {value}")
     if (kind, word) in _LINES:
@@ -264,41 +265,3 @@ def meant(path: Path, known: Iterable[str]) -> str | None:
     if wish is not None:
         return wish.key if wish.key in keys else None
     return nearest(path[-1], keys)
-
-
-_KINDS: tuple[tuple[tuple[object, ...], str], ...] = (
-    ((), "file"),
-    (("states", str), "state"),
-    (("states", str, "velocity"), "state"),
-    (("controls", str), "control"),
-    (("algebraic", str), "control"),
-    (("optimize", str), "static"),
-    (("objective", "minimize"), "terms"),
-    (("objective", "maximize"), "terms"),
-    (("constraints", str, int), "constraint"),
-    (("links", int), "link"),
-    (("complementarity", int), "pair"),
-    (("measurements", str), "measured"),
-    (("states", str, "initial"), "end"),
-    (("states", str, "final"), "end"),
-    (("time", "initial"), "end"),
-    (("time", "final"), "end"),
-    (("mesh", int), "mesh"),
-    (("tables", str), "table"),
-    *(((section,), section) for section in ("time", "objective", "constraints", "refine", "guess")),
-)
-"""Where a mapping stands, with a type for any key of it, and its kind."""
-
-
-def _kind(path: Path) -> str:
-    """The kind of mapping at a path."""
-    if len(path) >= 2 and path[0] == "phases":
-        path = path[2:]
-    return next((kind for place, kind in _KINDS if len(place) == len(path) and _fits(place, path)), "")
-
-
-def _fits(place: tuple[object, ...], path: Path) -> bool:
-    return all(
-        isinstance(key, wanted) if isinstance(wanted, type) else key == wanted
-        for wanted, key in zip(place, path, strict=True)
-    )

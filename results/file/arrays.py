@@ -9,6 +9,7 @@ from uuid import uuid4
 
 import h5py
 import numpy as np
+from h5py import h5a, h5s, h5t
 from numpy.typing import ArrayLike
 
 from ...problems.text import printable
@@ -21,6 +22,13 @@ NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 """The name of a dimension scale that netCDF does not take for one: of the netCDF-4 format specification."""
 
 ONE_CHUNK = 2**26  # bytes
+
+_ALONE = h5s.create(h5s.SCALAR)
+_KINDS = {
+    kind: (h5t.py_create(own, logical=True), h5t.py_create(own), own)
+    for kind, own in ((str, h5py.string_dtype()), (float, np.dtype(np.float64)))
+}
+"""Of a value -> its type in the file, in memory, and as NumPy has it."""
 
 LIBVER = ("v110", "v110")
 """The structures of HDF5 1.10, of 2016: they have check sums, and are smaller and read faster than the older ones."""
@@ -54,6 +62,21 @@ def group_of(parent: h5py.Group, name: str) -> h5py.Group:
     return parent.create_group(name, track_order=True)
 
 
+def tell(about: h5py.Group | h5py.Dataset, told: Mapping[str, Any]) -> None:
+    """Give a new group or array attributes that it has not got.
+
+    As h5py's `attrs.update`, which looks for each whether it is there, and works its type out anew: texts and numbers,
+    as most are, take half the time here.
+    """
+    for name, value in told.items():
+        if type(value) not in _KINDS:
+            about.attrs[name] = value
+            continue
+        stored, given, kind = _KINDS[type(value)]
+        attribute = h5a.create(about.id, name.encode(), stored, _ALONE)
+        attribute.write(np.array(value, kind), mtype=given)
+
+
 def scale_of(group: h5py.Group, name: str, values: ArrayLike, long_name: str, unit: str = "") -> h5py.Dataset:
     """A dimension scale: the values along one axis of other arrays, which are given it as one of their `scales`.
 
@@ -77,7 +100,7 @@ def dimension_of(group: h5py.Group, name: str, size: int) -> h5py.Dataset:
     """
     dimension = group.create_dataset(name, data=np.zeros(size, ">f4"))
     dimension.make_scale(f"{NO_VARIABLE}{size:10d}")
-    dimension.attrs["long_name"] = f"the dimension {name}, without values"
+    tell(dimension, {"long_name": f"the dimension {name}, without values"})
     return dimension
 
 
@@ -98,9 +121,7 @@ def array_of(
         dataset = group.create_dataset(name, data=array, chunks=_chunks(array), fletcher32=True)
     else:
         dataset = group.create_dataset(name, data=values)
-    dataset.attrs["long_name"] = long_name
-    if unit:
-        dataset.attrs["units"] = unit
+    tell(dataset, {"long_name": long_name, **({"units": unit} if unit else {})})
     for axis, scale in enumerate(scales):
         dataset.dims[axis].attach_scale(scale)
     return dataset

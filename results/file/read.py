@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,6 +92,12 @@ class PhaseCurves:
     def values(self, kind: str, t: np.ndarray) -> dict[str, np.ndarray]:
         """Every curve of a kind at times t, from the dense grid: fine enough for a picture."""
         return {name: np.interp(t, self.dense_time, c.dense) for name, c in self.curves.get(kind, {}).items()}
+
+
+def beside_each_other(phases: Sequence[PhaseCurves]) -> bool:
+    """Whether one begins before the one before it ends, as branches and separate experiments do."""
+    duration = max(phase.knots[-1] for phase in phases) - min(phase.knots[0] for phase in phases)
+    return any(after.knots[0] < before.knots[-1] - NEAR * duration for before, after in pairwise(phases))
 
 
 @short_repr

@@ -72,7 +72,7 @@ import numpy as np
 from ...problems.errors import FileError, Mistake
 from ...problems.files import check_not_protected, check_writable, write_whole
 from ...problems.lean.versions import version
-from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, texts
+from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, tell, texts
 from .door import FORMAT, FORMAT_VERSION, head_of_file
 from .write_measured import write_estimates, write_measured, write_sensitivities
 from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
@@ -158,8 +158,8 @@ def image_of(
         _write_head(file, solution, command)
         spec = group_of(file, "spec")
         spec["text"], spec["full"] = spec_text, spec_full
-        spec.attrs["overrides"] = texts(overrides)
-        spec.attrs["override_values"] = texts(map(json.dumps, overrides.values()))
+        values = map(json.dumps, overrides.values())
+        tell(spec, {"overrides": texts(overrides), "override_values": texts(values)})
         numbers = group_of(spec, "parameter")
         for name, number in solution.problem.numbers.items():
             array_of(numbers, name, float(number), [], f"parameter {name}")
@@ -194,7 +194,8 @@ def image_of(
 
 def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
     status = solution.status
-    file.attrs.update(
+    tell(
+        file,
         {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
@@ -216,12 +217,13 @@ def _write_head(file: h5py.File, solution: Solution, command: str) -> None:
             "trajopt_version": version("trajopt"),
             "pyomo_version": version("pyomo"),
             "ipopt_version": solution.outcome.solver.get("ipopt", ""),  # none for another engine
-        }
+        },
     )
 
 
 def _write_mesh(group: h5py.Group, solution: Solution, record: MeshRecord) -> None:
-    group.attrs.update(
+    tell(
+        group,
         {
             "method": record.mesh.schemes[0].name,
             "segments": record.segments,
@@ -236,7 +238,7 @@ def _write_mesh(group: h5py.Group, solution: Solution, record: MeshRecord) -> No
             "unknowns": record.unknowns,
             "constraints": record.constraints,
             **_seconds(record.seconds),
-        }
+        },
     )
     if len(record.grids) == 1:
         _write_grid(group, record.mesh)
@@ -244,14 +246,14 @@ def _write_mesh(group: h5py.Group, solution: Solution, record: MeshRecord) -> No
     phases = group_of(group, "phase")
     for trajectory, mesh in zip(solution.trajectories, record.grids, strict=True):
         own = group_of(phases, trajectory.phase.name)
-        own.attrs.update({"method": mesh.schemes[0].name, "segments": mesh.segments})
+        tell(own, {"method": mesh.schemes[0].name, "segments": mesh.segments})
         _write_grid(own, mesh)
 
 
 def _write_grid(group: h5py.Group, mesh: Mesh) -> None:
     """The mesh of one phase; methods of one degree store none."""
     scale_of(group, "edges", mesh.edges, "segment edges as fractions of the phase's duration", "1")
-    group.attrs.update(mesh.schemes[0].options)
+    tell(group, mesh.schemes[0].options)
     if any(scheme.degree is not None for scheme in mesh.schemes):
         segment = scale_of(group, "segment", np.arange(mesh.segments), "index of the segment, from 0")
         degrees = [scheme.degree or 0 for scheme in mesh.schemes]
@@ -274,18 +276,23 @@ def _write_solver(group: h5py.Group, solution: Solution) -> None:
     array_of(group, "y", outcome.y, [constraint], "multipliers of the constraints")
     parts = {part: sum(record.seconds[part] for record in solution.meshes) for part in solution.meshes[0].seconds}
     parts["elsewhere"] = solution.elsewhere
-    group.attrs.update({**outcome.solver, **_seconds(parts)})
-    group.attrs["discarded"] = texts(map(_discarded, solution.discarded))
-    group.attrs["discarded_iterations"] = sum(record.iterations for record in solution.discarded)
-    group.attrs["violations"] = texts(map(str, solution.violations))
-    group.attrs["involved"] = texts(solution.involved)
-    group.attrs["unmet"] = texts(solution.unmet[:MAX_UNMET])
-    group.attrs["unmet_count"] = len(solution.unmet)
-    group.attrs["stopped"] = solution.stopped
-    group.attrs["program"] = solution.program
-    group.attrs["notes"] = texts(solution.notes)
-    group.attrs["relief"] = texts(solution.relief)
-    group.attrs["continuation"] = texts(map(str, solution.continuation))
+    listed = {
+        "discarded": map(_discarded, solution.discarded),
+        "violations": map(str, solution.violations),
+        "involved": solution.involved,
+        "unmet": solution.unmet[:MAX_UNMET],
+        "notes": solution.notes,
+        "relief": solution.relief,
+        "continuation": map(str, solution.continuation),
+    }
+    told = {
+        "discarded_iterations": sum(record.iterations for record in solution.discarded),
+        "unmet_count": len(solution.unmet),
+        "stopped": solution.stopped,
+        "program": solution.program,
+    }
+    of_lists = {name: texts(own) for name, own in listed.items()}
+    tell(group, {**outcome.solver, **_seconds(parts), **told, **of_lists})
 
 
 def _discarded(record: MeshRecord) -> str:

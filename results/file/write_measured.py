@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from .arrays import array_of, group_of, scale_of, texts
+from .arrays import array_of, group_of, scale_of, tell, texts
 
 if TYPE_CHECKING:
     from ...problems.problem import Problem
@@ -39,7 +39,7 @@ def write_measured(group: h5py.Group, trajectory: Trajectory) -> None:
         known = "standard deviation" if own.exact else "standard deviation, up to a factor that all have"
         array_of(one, "deviation", own.deviations, [number], known, unit=own.unit)
         array_of(one, "model", model, [number], f"{own.expression} of the solution", unit=own.unit)
-        one.attrs["expression"] = own.expression
+        tell(one, {"expression": own.expression})
 
 
 def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> None:
@@ -54,7 +54,8 @@ def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> No
     array_of(group, "standard_error", found.deviations, [names], "standard error; none for a parameter on its bound")
     other = scale_of(group, "other", list(found.names), "estimated parameter")
     array_of(group, "correlation", found.correlation, [names, other], "correlation of the estimates")
-    group.attrs.update(
+    tell(
+        group,
         {
             "residuals": found.residuals,
             "measurements": found.measurements,
@@ -62,7 +63,7 @@ def write_estimates(group: h5py.Group, problem: Problem, found: Estimates) -> No
             "scale": found.scale,
             "given": found.given,
             "missing": found.why_not,
-        }
+        },
     )
 
 
@@ -72,7 +73,7 @@ def write_sensitivities(group: h5py.Group, found: Sensitivities) -> None:
     group: empty.
     found: path by path.
     """
-    group.attrs["missing"] = found.why_not
+    tell(group, {"missing": found.why_not})
     number = scale_of(group, "number", texts(own.path for own in found.all), "number of the problem file, by its path")
     for name, long_name in (("value", "the number"), ("derivative", "derivative of the objective by the number")):
         array_of(group, name, [getattr(own, name) for own in found.all], [number], long_name)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from .arrays import array_of, dimension_of, group_of, scale_of, texts
+from .arrays import array_of, dimension_of, group_of, scale_of, tell, texts
 
 if TYPE_CHECKING:
     from ...problems.problem import Phase, Problem
@@ -57,7 +57,7 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
             "time": worst.time,
             "share": worst.share,
         }
-        errors.attrs.update({f"overshoot_{key}": value for key, value in told.items()})
+        tell(errors, {f"overshoot_{key}": value for key, value in told.items()})
 
 
 def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:

@@ -33,7 +33,7 @@ def draw_error(axes: tuple[Axes, Axes], result: Result, state: str) -> None:
         draw_mesh_marks(left, phase.knots)
     set_title(left, labelled(f"|ε| of {state}", phases[0].epsilon[state].unit), raised=len(phases) > 1)
     _logarithmic(left, np.concatenate([np.abs(phase.epsilon[state].dense) for phase in phases]))
-    set_times(left, phases)
+    set_times(left, result.phases)
     eta = np.concatenate([phase.eta[state] for phase in phases])
     _draw_segments(right, labelled(f"η of {state}", phases[0].curves["state"][state].unit), eta, ORANGE)
 

@@ -118,7 +118,7 @@ def _draw(
     frame(ax, [phase.curves[kind][name] for phase in every])
     set_title(ax, labelled(*label_of(kind, name, every[0]), width_of(ax)))
     ax.yaxis.set_major_formatter(Numbers())
-    set_times(ax, every, shaded=False)
+    set_times(ax, [phase for result in results for phase in result.phases], shaded=False)
     return apart
 
 

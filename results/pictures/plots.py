@@ -8,7 +8,6 @@ interpolant, never straight lines between the points of the mesh.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from math import ceil, log
 from typing import Any
 
@@ -17,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...problems.errors import Mistake, SpecError
-from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, NEAR, Curve, PhaseCurves, Result, beside_each_other
 from .axes import NO_BOUNDS, NONE_BROKEN, Bounds, Broken, bound_lines, frame
 from .style import (
     BLACK,
@@ -42,6 +41,7 @@ LEGEND = (*CURVE_KINDS, "measured", "knot", "point inside a segment", "segment e
 PANEL_WIDTH = {1: 5.5, 2: 3.7, 3: 2.9, 4: 2.4, 5: 2.0}  # inches, by the number of columns
 PANEL_HEIGHT = 1.25
 SMALL_LETTER = 0.05  # inches, of the names of phases
+SEEN = 0.002  # of the duration: a shorter phase is a line, and its neighbours are told apart
 MAX_NAME_ROWS, NAME_ROW = 4, 0.08  # of the names of phases, and their distance, part of the height of a panel
 
 
@@ -76,7 +76,7 @@ def draw_curve(
     told = "bound " + " ".join(dict.fromkeys(far)) if far else ""
     set_title(ax, labelled(*label_of(kind, name, phases[0]), width), told, raised=len(phases) > 1)
     ax.yaxis.set_major_formatter(Numbers())
-    set_times(ax, phases)
+    set_times(ax, result.phases)
 
 
 def label_of(kind: str, name: str, phase: PhaseCurves) -> tuple[str, str]:
@@ -124,7 +124,7 @@ def set_times(ax: Axes, phases: Sequence[PhaseCurves], *, shaded: bool = True) -
     """The time axis, from the first beginning to the last end.
 
     ax: the axes.
-    phases: that are drawn on them.
+    phases: all of the result, or results: so that panels above each other have one scale, whatever phases they draw.
     shaded: whether of several phases each second one is shaded and all are named.
     """
     start, end = min(phase.knots[0] for phase in phases), max(phase.knots[-1] for phase in phases)
@@ -138,11 +138,12 @@ def set_times(ax: Axes, phases: Sequence[PhaseCurves], *, shaded: bool = True) -
 def _name_phases(ax: Axes, phases: Sequence[PhaseCurves], duration: float) -> None:
     """Names above the axes, those of phases at the same times (branches) one above the other; each second is shaded."""
     across, rows = ax.get_xaxis_transform(), [-np.inf] * MAX_NAME_ROWS
-    together = any(after.knots[0] < before.knots[-1] - NEAR * duration for before, after in pairwise(phases))
-    for number, phase in enumerate(phases):
+    together, shade = beside_each_other(phases), False
+    for phase in phases:
         first, last = phase.knots[[0, -1]]
-        if number % 2 and not together:
+        if shade and not together:
             ax.axvspan(first, last, color=GREY, alpha=0.1, linewidth=0, zorder=0)
+        shade ^= bool(last - first > SEEN * duration)
         scale = max(duration, 1e-300) / width_of(ax)  # of time, to an inch
         half = len(phase.name) * SMALL_LETTER * scale / 2
         free = [row for row, end in enumerate(rows) if end <= (first + last) / 2 - half + NEAR * duration]

@@ -7,15 +7,15 @@ with points) or steps. Charts of one `sync` are zoomed together.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from math import isfinite
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ...problems.quantities import Range
 from ..file.bounds import bounds_beside
-from ..file.read import CURVE_KINDS, Curve, PhaseCurves, Result
+from ..file.read import CURVE_KINDS, Curve, MeasuredPoints, PhaseCurves, Result, beside_each_other
+from .over_time import Times, plain_series, rounded_numbers
 
 Chart = dict[str, Any]
 Bounds = Mapping[str, Mapping[str, Range]]
@@ -23,7 +23,6 @@ Bounds = Mapping[str, Mapping[str, Range]]
 MOST_CHARTS = 150
 SAMPLES = 1500  # of one curve of one phase
 POINTS = 500  # of all phases, beyond which they would only hide the curve
-DIGITS = 7
 NEAR_TIMES = 1e-9  # of the duration: times that are one
 
 
@@ -51,44 +50,48 @@ def curve(result: Result, kind: str, name: str, bounds: Bounds) -> Chart:
     bounds: as of `curves`.
     """
     phases = [phase for phase in result.phases if name in phase.curves.get(kind, {})]
-    parts = [_samples(phase, phase.curves[kind][name]) for phase in phases]
-    x, line = (_joined([part[i] for part in parts], gap) for i, gap in ((0, False), (1, True)))
-    series = [_series(kind, "line", kind, line)]
+    samples = [_samples(phase, phase.curves[kind][name], _measured(phase, kind, name)) for phase in phases]
+    times = _times(phases, [own for own, _ in samples])
+    series = times.curves(kind, "line", kind, [values for _, values in samples])
     if sum(len(phase.time) for phase in phases) <= POINTS:
         for label, at_knot in (("knot", True), ("point inside a segment", False)):
             marks = [
-                _at_points(part[0], phase, phase.curves[kind][name], at_knot)
-                for part, phase in zip(parts, phases, strict=True)
+                _at_points(own, phase, phase.curves[kind][name], at_knot)
+                for own, phase in zip(times.parts, phases, strict=True)
             ]
             if any(np.isfinite(values).any() for values in marks):
-                series.append(_series(label, "points", "ink" if at_knot else kind, _joined(marks, True)))
+                series.append(times.marks(label, "ink" if at_knot else kind, marks))
+    if any(_measured(phase, kind, name) for phase in phases):
+        told = [_of_measured(own, _measured(p, kind, name)) for own, p in zip(times.parts, phases, strict=True)]
+        series.append(times.marks("measured", "bad", told))
     near, far = _bounds(phases, kind, name, bounds)
     unit = phases[0].curves[kind][name].unit
-    chart = _chart(f"costate of {name}" if kind == "costate" else name, unit, _time(phases[0]), x, series)
+    title = f"costate of {name}" if kind == "costate" else name
+    chart = _chart(title, unit, _time(phases[0]), times.axis(), series)
     return {**chart, "bounds": near, "note": far, "marks": _marks(phases), "phases": _edges(result.phases)}
 
 
 def errors(result: Result) -> list[Chart]:
     """eta of every state by segment, and what each segment adds to the error bar of the objective."""
     phases = result.phases
-    knots = _joined([phase.knots for phase in phases], False)
+    times = _times(phases, [phase.knots for phase in phases])
     label = _time(phases[0])
     by_state = [
-        _series(state, "steps", f"line{i}", _joined([_on_knots(p, p.eta.get(state)) for p in phases], True))
+        own
         for i, state in enumerate(result.states)
+        for own in times.curves(state, "steps", f"line{i}", [_on_knots(p, p.eta.get(state)) for p in phases])
     ]
-    charts = [{**_chart("η of each state", "the state's unit", label, knots, by_state), "log": True}]
+    charts = [{**_chart("η of each state", "the state's unit", label, times.axis(), by_state), "log": True}]
     relative = [_on_knots(phase, phase.relative) for phase in phases]
-    charts.append(_by_segment("largest relative η", label, knots, relative, "state"))
+    charts.append(_by_segment("largest relative η", label, times, relative, "state"))
     if any(len(phase.shares) for phase in phases):
         shares = [_on_knots(phase, phase.shares) for phase in phases]
-        charts.append(_by_segment("part of the error bar of the objective", label, knots, shares, "control"))
+        charts.append(_by_segment("part of the error bar of the objective", label, times, shares, "control"))
     return [{**chart, "phases": _edges(phases)} for chart in charts]
 
 
-def _by_segment(title: str, label: str, knots: Sequence[float | None], parts: list[np.ndarray], colour: str) -> Chart:
-    steps = _series(title, "steps", colour, _joined(parts, True))
-    return {**_chart(title, "", label, knots, [steps]), "log": True}
+def _by_segment(title: str, label: str, times: Times, parts: list[np.ndarray], colour: str) -> Chart:
+    return {**_chart(title, "", label, times.axis(), times.curves(title, "steps", colour, parts)), "log": True}
 
 
 def convergence(result: Result) -> list[Chart]:
@@ -106,7 +109,7 @@ def convergence(result: Result) -> list[Chart]:
     charts = []
     for title, names in shown.items():
         series = [
-            _series(name.replace("_", " "), "line", f"line{i}", rounded_numbers(told[name]))
+            plain_series(name.replace("_", " "), "line", f"line{i}", rounded_numbers(told[name]))
             for i, name in enumerate(names)
             if name in told
         ]
@@ -114,11 +117,6 @@ def convergence(result: Result) -> list[Chart]:
             log = title not in ("objective", "step length")
             charts.append({**_chart(title, "", "record", number, series, sync=""), "log": log})
     return charts
-
-
-def rounded_numbers(values: Iterable[float | None]) -> list[float | None]:
-    """Numbers of some digits; None for what is not finite."""
-    return [float(f"{v:.{DIGITS}g}") if v is not None and isfinite(v) else None for v in values]
 
 
 def _chart(
@@ -130,23 +128,47 @@ def _chart(
     return {"title": title, "unit": unit, "x": over, "series": series, **empty}
 
 
-def _series(label: str, kind: str, colour: str, values: Sequence[float | None]) -> dict[str, Any]:
-    return {"label": label, "kind": kind, "colour": colour, "values": values}
-
-
 def _time(phase: PhaseCurves) -> str:
     return f"time [{phase.time_unit}]" if phase.time_unit not in ("", "1") else "time"
 
 
-def _samples(phase: PhaseCurves, own: Curve) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values of the dense curve, thinned to what a screen can show, and the points of the mesh among them."""
+def _times(phases: Sequence[PhaseCurves], parts: Sequence[np.ndarray]) -> Times:
+    return Times([phase.name for phase in phases], parts, beside_each_other(phases))
+
+
+def _samples(phase: PhaseCurves, own: Curve, measured: Sequence[MeasuredPoints]) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values of the dense curve, thinned to what a screen can show; points of the mesh and measurements too.
+
+    A time that was measured n times stands n times.
+    """
     kept = _thinned(own.dense)
     points = phase.time if len(phase.time) <= POINTS else phase.time[:0]
-    times = np.union1d(phase.dense_time[kept], points)
+    seen, count = np.unique(_measured_times(measured), return_counts=True)
+    times = np.unique(np.concatenate([phase.dense_time[kept], points, seen]))
     apart = np.diff(times, prepend=-np.inf) > NEAR_TIMES * abs(
         phase.knots[-1] - phase.knots[0]
     )  # the same but for rounding
-    return times[apart], np.interp(times[apart], phase.dense_time, own.dense)
+    times = np.sort(np.append(times[apart], np.repeat(seen, count - 1)))
+    return times, np.interp(times, phase.dense_time, own.dense)
+
+
+def _measured(phase: PhaseCurves, kind: str, name: str) -> list[MeasuredPoints]:
+    return [] if kind == "costate" else [own for own in phase.measured if own.expression == name]
+
+
+def _measured_times(measured: Sequence[MeasuredPoints]) -> np.ndarray:
+    return np.concatenate([np.empty(0), *(own.time for own in measured)])
+
+
+def _of_measured(times: np.ndarray, measured: Sequence[MeasuredPoints]) -> np.ndarray:
+    """What was measured, at the nearest of the times, NaN at all others; what has the same time at the next ones."""
+    values = np.full(len(times), np.nan)
+    at, value = _measured_times(measured), np.concatenate([np.empty(0), *(own.value for own in measured)])
+    order = np.argsort(at, kind="stable")
+    first = np.searchsorted((times[1:] + times[:-1]) / 2, at[order])
+    repeated = np.arange(len(at)) - np.searchsorted(at[order], at[order])
+    values[np.minimum(first + repeated, len(times) - 1)] = value[order]
+    return values
 
 
 def _thinned(values: np.ndarray) -> np.ndarray:
@@ -175,16 +197,6 @@ def _on_knots(phase: PhaseCurves, values: np.ndarray | None) -> np.ndarray:
     return np.append(values, values[-1])
 
 
-def _joined(parts: Sequence[np.ndarray], gap: bool) -> list[float | None]:
-    """The phases one after the other, with one place between them: a gap in a curve, the same time again in times."""
-    joined: list[float | None] = []
-    for part in parts:
-        if joined:
-            joined.append(None if gap else joined[-1])
-        joined += rounded_numbers(part)
-    return joined
-
-
 def _bounds(phases: Sequence[PhaseCurves], kind: str, name: str, bounds: Bounds) -> tuple[list[dict[str, float]], str]:
     """The bounds that are drawn, each over its phase, and those that are far off, in words."""
     near, far = [], []
@@ -203,7 +215,7 @@ def _marks(phases: Sequence[PhaseCurves]) -> list[float | None]:
 
 
 def _edges(phases: Sequence[PhaseCurves]) -> list[dict[str, Any]]:
-    """Names and times of several phases."""
-    if len(phases) < 2:
+    """Names and times of phases that follow each other; the legend names others."""
+    if len(phases) < 2 or beside_each_other(phases):
         return []
     return [{"name": p.name, "from": float(p.knots[0]), "to": float(p.knots[-1])} for p in phases]

@@ -20,7 +20,7 @@ from ..sweep.plan import GRID, Plan, stored_plan
 from ..sweep.store import ABOUT, RESULTS, curves_in, records_in, stored_about
 from ..sweep.tables import SCALARS, Record, column, groups, summary_of
 from . import mathematics
-from .charts import rounded_numbers
+from .over_time import rounded_numbers
 from .page import PLOTS, rendered
 
 MOST_CASES = 20_000

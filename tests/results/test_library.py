@@ -5,7 +5,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
-from command_line import process, strict_json, trajopt
+from command_line import strict_json, trajopt
 from named import ALL, SOLVED, share
 from repository import ROOT
 
@@ -306,8 +306,8 @@ TWO = ("--only", "shot_put", "--only", "block_move_min_force")
 
 
 def test_the_command_writes_all_tables(folder):
-    run = process("reproduce", "library", *TWO, "--check", "-j", "2", "-o", "mine")
-    assert (run.returncode, run.stderr) == (0, "")
+    run = trajopt("reproduce", "library", *TWO, "--check", "-j", "2", "-o", "mine")
+    assert (run.exit_code, run.stderr) == (0, "")
     lines = run.stdout.splitlines()
     assert lines[0].split()[:3] == ["problem", "objective", "error"]
     assert [line.split()[0] for line in lines[1:3]] == ["block_move_min_force", "shot_put"]  # as listed

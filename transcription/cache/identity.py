@@ -14,6 +14,8 @@ from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
 
+from ...problems.lean.versions import names_in
+
 LIBRARIES = ("numpy", "scipy", "pydantic", "pydantic_core", "pyomo", "symengine", "yaml")
 BINARY = "lib"  # the folder of SymEngine, with LLVM in it
 PROCESSOR = Path("/proc/cpuinfo")
@@ -46,7 +48,7 @@ def _library(name: str) -> list:
         return []
     folder = spec.submodule_search_locations[0]
     beside, _ = os.path.split(folder)
-    versions = [own for own in os.listdir(beside) if own.startswith(f"{name}-")]
+    versions = [own for own in names_in(beside) if own.startswith(f"{name}-")]
     binaries = list(_files(os.path.join(folder, BINARY), ".so")) if name == "symengine" else []
     return [folder, sorted(versions), _file(spec.origin or folder), binaries]
 

@@ -1,14 +1,17 @@
 """What is used of Pyomo, loaded without scipy.stats and pyplot: no other module loads Pyomo.
 
 Pyomo would load these, for up to a second, where it finds SciPy or Matplotlib loaded, and whenever anyone imports a
-part of them later. It asks for what it needs of them by other ways. How it does all that is private to it.
+part of them later; and where it finds multiprocessing, as in a worker of a sweep, it makes a lock that a killed process
+leaves behind. It asks for what it needs of them by other ways. How it does all that is private to it.
 """
 
 from __future__ import annotations
 
 from ...problems.lean.hidden import hidden
 
-with hidden("scipy", "matplotlib"):
+HIDDEN = ("scipy", "matplotlib", "multiprocessing")
+
+with hidden(*HIDDEN):
     from pyomo import core as pyomo
     from pyomo.common.collections import ComponentMap
     from pyomo.common.dependencies import DeferredImportCallbackFinder
@@ -28,7 +31,7 @@ with hidden("scipy", "matplotlib"):
     )
     from pyomo.core.expr.visitor import StreamBasedExpressionVisitor
 
-for _library in ("scipy", "matplotlib"):
+for _library in HIDDEN:
     DeferredImportCallbackFinder._callbacks.pop(_library, None)
 
 template_context = _template_iter_context

@@ -106,6 +106,7 @@ class Arguments:
 
     def look_up(self, table: Table, arguments: Sequence[se.Basic]) -> se.Symbol:
         """The symbol of the value of a table; the same lookup is made once."""
+        # A symbol, as SymEngine cannot differentiate a table: its derivatives are put in afterwards (see `lookups`).
         key = (id(table), *arguments)
         if key not in self._known:
             self.lookups.append(CompiledLookup(len(self.lookups), table, tuple(map(se.sympify, arguments))))
@@ -127,6 +128,7 @@ class Arguments:
 
 def _shape(e: Any, template: Any) -> Any:
     """A key that is equal for equal index expressions, so that each is evaluated once a family."""
+    # What is no expression goes by its identity: == of two Pyomo objects makes an equation, and tells nothing.
     if e.__class__ in native_types:
         return e
     if e is template:
@@ -142,7 +144,7 @@ def _shape(e: Any, template: Any) -> Any:
 class _Translation:
     def __init__(self, arguments: Arguments, template: IndexTemplate | None) -> None:
         self.arguments, self.template = arguments, template
-        self.memo: dict[int, se.Basic] = {}
+        self.memo: dict[int, se.Basic] = {}  # by identity, as the root that is translated keeps all its parts
 
     def __call__(self, e: Any) -> se.Basic:
         """The parts of an expression before itself, on a stack of our own: Python's is too short for long products."""
@@ -257,6 +259,9 @@ def product_of(arguments: Arguments, factors: list, e: Any, template: Any) -> se
 
 def without_sums(sides: list, arguments: Arguments, c: Any, row: int, sums: list) -> se.Basic:
     """The terms of a scalar row that stand in no sum over a Set; the others are put down in `sums`.
+
+    Written out, a sum over the points would be one expression of all unknowns, and its derivatives would take longer to
+    make the larger the mesh is. Put down, what is summed over a Set becomes a family: one expression for all points.
 
     sides: (sign, Pyomo expression) each.
     arguments: of the family of the row.

@@ -137,6 +137,7 @@ class Segments:
         self.F_v, self.g_v = self.dynamics.jacobian(self.stages), self.path.jacobian(self.points)
         # Both are written in place: the entries that are not written are zero, or constant, at every z.
         V, at_points = self._stage_tangents, self._point_tangents
+        # D is dx/dy at the start of a substep: the same recursion as of the values, with F_v V in the place of F.
         D = np.zeros((len(self.columns), self.dynamics.outputs, self.columns.shape[1]))
         D[:, :n, :n] = np.eye(n)
         for i, seen in enumerate(self.seen.tolist()):
@@ -199,6 +200,7 @@ class Segments:
         for i in reversed(range(S)):
             pulled = np.zeros((len(end), len(b), n))  # (dF/dx)' mu of each stage
             for j in reversed(range(len(b))):
+                # All that k_ij acts on: the end of the substep by b_j, later stages by a_lj, the point in the middle.
                 mu[:, i, j] = b[j] * lam
                 mu[:, i, j, :n] += _mix(A[j + 1 :, j], pulled[:, j + 1 :])
                 if self.per == 2:

@@ -26,6 +26,9 @@ LARGEST_ERROR = 1e-2
 LARGEST_BAR = 5e-2
 """The same of the error bar, relative to 1 + |J|: the largest of the shipped problems is 1.2e-2, on its fixed mesh."""
 
+NO_TRAJECTORY = 1.0
+"""Relative error of what is no trajectory of the dynamics at all."""
+
 
 ENDED = {
     Status.INTERRUPTED: "was interrupted",
@@ -171,6 +174,11 @@ class Solution:
     def solved(self) -> bool:
         """Whether the last mesh ended with an optimal point, or with one as good as `accept` asks for."""
         return self.status in (Status.SOLVED, Status.FEASIBLE, self.accept)
+
+    @property
+    def is_no_trajectory(self) -> bool:
+        """Whether the dynamics are missed by as much as the states are large."""
+        return self.meshes[-1].relative_error >= NO_TRAJECTORY
 
     @property
     def inaccurate(self) -> str:

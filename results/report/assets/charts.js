@@ -137,7 +137,8 @@ const Charts = (() => {
   }
 
   function extremes(chart) {
-    const values = chart.series[0].values.filter((v) => v !== null);
+    const lines = chart.series.filter((s) => s.kind === chart.series[0].kind);
+    const values = lines.flatMap((s) => s.values).filter((v) => v !== null);
     const said = chart.series.map((s) => s.label).join(", ");
     if (!values.length) return `${chart.title}: no values`;
     const least = values.reduce((a, b) => Math.min(a, b)), most = values.reduce((a, b) => Math.max(a, b));

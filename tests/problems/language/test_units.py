@@ -114,6 +114,24 @@ def test_units_that_do_not_fit_are_told_at_their_place(old, new, line, path, say
     assert load_yaml(broken, (), "file.yaml")  # as solve reads it
 
 
+@pytest.mark.parametrize(
+    "added",
+    [
+        "odd: {value: 3 + 5*sin(q), unit: m}", "odd: x + 2*step(x - l, 0.1)", "odd: F - 4*(x/l)", "odd: x + sin(t)",
+        "ahead(T): 3 + 5*step(T, 1)\n  odd: x - ahead(t)",
+    ],
+)  # fmt: skip
+def test_a_number_times_a_pure_number_is_a_number(added):
+    told = sentences(GOOD.replace("  load: (", f"  {added}\n  load: ("))
+    assert not [own for own in told if "5*" in own or "2*" in own or "4*" in own or "ahead" in own]
+    assert bool(told) == added.endswith("sin(t)")  # which has no number, and is no length
+
+
+@pytest.mark.parametrize("added", ["odd: x + sin(q)", "odd: x + 2*q", "odd: v + 5*x*sin(q)", "odd: sin(q)*x - 3*v"])
+def test_a_number_times_what_has_a_unit_is_none(added):
+    assert any(": expressions.odd: " in own for own in sentences(GOOD.replace("  load: (", f"  {added}\n  load: (")))
+
+
 PHASES_BROKEN = [
     ("a link", "far.x[initial]*k -", "far.x[initial] -", "links.1.expression", "multiply it by a parameter"),
     ("what goes on", ", except: [x]}", "}", "links.0", "x goes on from near, in m, to far, in km"),

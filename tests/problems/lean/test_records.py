@@ -106,11 +106,6 @@ def test_one_that_holds_itself_is_told():
     assert repr(point) == "Point(x=1, y=[...])"
 
 
-def test_with_slots_it_is_the_librarys():
-    (ours, _) = own_and_library({"b": dataclasses.field(default=2)}, slots=True)
-    assert "__slots__" in vars(ours)
-
-
 @pytest.mark.parametrize(
     ("values", "named"),
     [((), {}), ((1, 2, 3), {}), ((1,), {"a": 2}), ((1,), {"c": 3}), ((), {"b": 1}), ((1, 2), {"a": 1, "b": 2})],

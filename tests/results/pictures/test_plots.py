@@ -9,6 +9,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from branches import BRANCHES
 from command_line import process, trajopt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
@@ -306,3 +307,41 @@ mesh: [{method: hermite-simpson, segments: 10}]
     assert "power [W]" in names and "bowl" in names and "twice" not in names  # which has no unit
     only = [ax.get_title(loc="left") for ax in plots.trajectory_figure(result, only=["twice"]).axes]
     assert "twice" in only
+
+
+VANISHING = """
+trajopt: 1
+time: {initial: 0, final: {lower: 0.5, upper: 10, guess: 3}}
+states: {x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}}
+controls: {u: {lower: -1, upper: 1}}
+phases:
+  up: {controls: {u: {lower: 1}}}
+  coast: {without: [u], states: {v: {rate: 0}}}
+  down: {controls: {u: {upper: -1}}}
+objective: {minimize: {terminal: "t[final]"}}
+mesh: [{method: radau, segments: 3}]
+"""
+
+
+def drawn(text, folder):
+    run = trajopt("solve", "-", "-o", folder / "own.h5", given=text)
+    assert run.exit_code == 0, run.output
+    return read(folder / "own.h5")
+
+
+@pytest.mark.parametrize("text", [VANISHING, BRANCHES])
+def test_panels_above_each_other_have_one_time_axis_whatever_phases_they_draw(folder, text):
+    result = drawn(text, folder)
+    figure = plots.trajectory_figure(result)
+    assert len({ax.get_xlim() for ax in figure.axes}) == 1 and len(figure.axes) == 5
+    low, high = figure.axes[0].get_xlim()
+    ends = [time for phase in result.phases for time in phase.knots[[0, -1]]]
+    assert low < min(ends) and max(ends) < high
+
+
+def test_phases_beside_one_that_has_vanished_are_told_apart(folder):
+    result = drawn(VANISHING, folder)
+    assert result.phases[1].knots[-1] - result.phases[1].knots[0] < 1e-2
+    shaded = [patch.get_extents().bounds for patch in plots.trajectory_figure(result).axes[0].patches]
+    last = plots.trajectory_figure(result).axes[0].transData.transform((result.phases[2].knots[0], 0))[0]
+    assert any(left == pytest.approx(last, abs=1) and wide > 50 for left, _, wide, _ in shaded)

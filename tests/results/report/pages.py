@@ -3,6 +3,7 @@
 import json
 import re
 
+from branches import BRANCHES
 from command_line import solved_once, trajopt
 
 HOSTILE = """
@@ -22,6 +23,23 @@ objective: {minimize: {integral: u**2}}
 mesh: [{method: hermite-simpson, segments: 10}]
 """
 
+EXPERIMENTS = """
+trajopt: 1
+time: {initial: 0}
+states: {c: {rate: -k*c}}
+optimize: {k: {lower: 0, upper: 5, guess: 0.5}}
+phases:
+  long:
+    time: {final: 6}
+    states: {c: {initial: 4}}
+    measurements: {a: {data: {time: [1, 2, 2, 6], c: [2.4, 1.4, 1.5, 0.2]}}}
+  short: {time: {final: 2}, states: {c: {initial: 1}}, measurements: {b: {data: {time: [1, 2], c: [0.62, 0.36]}}}}
+links: none
+mesh: [{method: radau, segments: 4}]
+"""
+
+FILES = {"hostile": HOSTILE, "branches": BRANCHES, "experiments": EXPERIMENTS}
+
 SOLVES = {
     "cartpole": ("cartpole", "--segments", "15"),
     "refined": ("bryson_denham", "--refine", "1e-5"),
@@ -29,7 +47,7 @@ SOLVES = {
     "pendulum": ("pendulum", "--segments", "20"),  # no costates, no error bar
     "phases": ("schwartz_two_phase",),
     "biped": ("biped", "--set", "mesh.-1.segments=6"),  # a chain of links
-    "hostile": ("hostile.yaml",),
+    **{name: (f"{name}.yaml",) for name in FILES},
 }
 
 
@@ -37,7 +55,8 @@ def solved_in(folder):
     """name -> a result file in the folder, each solved once."""
 
     def solved(name):
-        (folder / "hostile.yaml").write_text(HOSTILE)
+        for own, text in FILES.items():
+            (folder / f"{own}.yaml").write_text(text)
         told = [folder / own if own.endswith(".yaml") else own for own in SOLVES[name]]
         return solved_once(folder / f"{name}.h5", *told, code=int(name == "unsolved"))
 

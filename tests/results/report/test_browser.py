@@ -117,7 +117,7 @@ def pages(tmp_path_factory):
     return page
 
 
-@pytest.mark.parametrize("name", ["cartpole", "unsolved", "phases", "hostile", "swept"])
+@pytest.mark.parametrize("name", ["cartpole", "unsolved", "phases", "branches", "experiments", "hostile", "swept"])
 @pytest.mark.parametrize("width", [1280, 390])
 def test_a_page_is_drawn_without_errors_and_without_scrolling_sideways(browser, pages, name, width):
     browser.open(pages(name), width)

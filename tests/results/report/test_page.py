@@ -86,6 +86,38 @@ def test_curves_are_those_of_the_file(solved, folder):
     assert (chart["unit"], chart["x"]["label"]) == ("N", "time [s]")
 
 
+@pytest.mark.parametrize(
+    ("name", "last", "lines"),
+    [
+        ("branches", 6, {"state, out": (0, 2), "state, boat": (2, 5), "state, buoy": (2, 6)}),
+        ("experiments", 6, {"state, long": (0, 6), "state, short": (0, 2)}),
+    ],
+)
+def test_phases_at_the_same_times_have_a_curve_each(solved, folder, name, last, lines):
+    charts = data_of(page_of(solved(name), folder / "a.html", "--no-verify"))["charts"]
+    chart = charts["state-0"]
+    times = np.array(chart["x"]["values"])
+    assert (np.diff(times) >= 0).all() and (times[0], times[-1]) == (0, last)
+    drawn = {own["label"]: np.array(own["values"], float) for own in chart["series"] if own["kind"] == "line"}
+    assert {own: (times[~np.isnan(v)][0], times[~np.isnan(v)][-1]) for own, v in drawn.items()} == lines
+    for phase in lines:
+        with h5py.File(solved(name)) as file:
+            dense = file[f"phase/{phase.split(', ')[1]}/dense"]
+            exact = np.interp(times, dense["time"][:], dense[f"state/{chart['title']}"][:])
+        there = ~np.isnan(drawn[phase])
+        assert np.abs(exact - drawn[phase])[there].max() < 1e-5
+    errors = [own for own in charts.values() if "η" in own["title"]]
+    assert errors and all((np.diff(own["x"]["values"]) >= 0).all() for own in errors)
+    assert all(own["phases"] == [] for own in charts.values())
+
+
+def test_what_was_measured_is_drawn(solved, folder):
+    chart = data_of(page_of(solved("experiments"), folder / "a.html", "--no-verify"))["charts"]["state-0"]
+    (measured,) = (own for own in chart["series"] if own["label"] == "measured")
+    told = [(t, v) for t, v in zip(chart["x"]["values"], measured["values"], strict=True) if v is not None]
+    assert sorted(told) == [(1, 0.62), (1, 2.4), (2, 0.36), (2, 1.4), (2, 1.5), (6, 0.2)]
+
+
 def test_a_long_curve_is_thinned_and_keeps_its_spikes(solved, folder, monkeypatch):
     from trajopt.results.report import charts
 

@@ -167,7 +167,9 @@ def test_a_killed_parent_loses_nothing(folder):
 
 
 @pytest.mark.parametrize("server", [False, True], ids=["worker", "fork server too"])
-def test_a_killed_worker_changes_nothing_but_time(folder, server):
+def test_a_killed_worker_changes_nothing_but_time(folder, server, monkeypatch):
+    """Its programs are new, so that it has loaded all that it ever loads."""
+    monkeypatch.setenv("TRAJOPT_CACHE", str(folder / "cache"))
     arguments = [*SLOW, "--over", "parameters.d=1"]
     with started(*arguments) as run:
         wait_until(lambda: index("cartpole-sweep"), run)

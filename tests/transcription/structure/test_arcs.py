@@ -1,11 +1,10 @@
 """The arcs of solved problems: which, and when they switch; in words, in JSON, in the result file."""
 
-import subprocess
-import sys
 from functools import cache
 
 import numpy as np
 import pytest
+from command_line import trajopt
 from named import ALL
 
 from trajopt.cli.output.arcs import few_arcs
@@ -130,10 +129,8 @@ def test_the_arcs_are_in_the_result_and_in_what_is_told_of_it(goddard):
 
 
 def test_show_tells_them_in_words_and_as_json(goddard):
-    run = subprocess.run(
-        [sys.executable, "-c", "from trajopt.cli.main import main; main()", "show", str(goddard)],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    run = trajopt("show", goddard)
+    assert run.exit_code == 0
     assert "\narcs        T: max until 0.02" in run.stdout
     assert ", singular until 0.0722" in run.stdout and ", then 0\n" in run.stdout
 
