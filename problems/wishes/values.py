@@ -147,8 +147,6 @@ def _section(path: Path, given: Any) -> Words | None:
             names = [given] if text else [name for name in items if isinstance(name, str)]
             inner = ", ".join(f"{name}: {{}}" for name in names[:3]) or "u: {}"
             wish = "controls are told by name", f"write controls: {{{inner}}}"
-        case ("mesh",) if isinstance(given, dict) and given:
-            wish = "the mesh is a schedule", f'start each item with "- ", or write mesh: [{flow(given)}]'
         case ("refine",) if number:
             wish = "refinement has several settings", f"write refine: {{{entry('tolerance', given)}}}"
         case ("guess",) if text and _CSV.fullmatch(given):
