@@ -201,6 +201,30 @@ def refused(problem: Problem, meshes: Sequence[Mesh]) -> Iterator[Mistake]:
         yield from (replace(m, where=whose + m.where) for m in kind_of(mesh).refused(problem, phase, mesh))
 
 
+MORE_SEGMENTS = (2, 4)
+"""Times the segments of a mesh: what is tried where so few may have no solution."""
+
+
+def divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> list[Mesh]:
+    """The meshes with this many segments for each; those of phases that have no other mesh stay as they are.
+
+    problem: that they are of.
+    meshes: one for each phase.
+    times: as many segments.
+    """
+    pairs = zip(problem.phases, meshes, strict=True)
+    return [mesh if phase.exact else mesh.divided(times) for phase, mesh in pairs]
+
+
+def may_be_divided(problem: Problem, meshes: Sequence[Mesh], times: int) -> bool:
+    """Whether there are such meshes, and none is refused.
+
+    problem, meshes, times: as of `divided`.
+    """
+    has_other = not all(phase.exact for phase in problem.phases)
+    return has_other and not any(refused(problem, divided(problem, meshes, times)))
+
+
 def planned(problem: Problem | Sequence[Problem], schedule: Schedule) -> list[Planned]:
     """The solves of a schedule.
 

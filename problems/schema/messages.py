@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import types
+from collections.abc import Mapping
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -113,7 +114,7 @@ def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
         **dict.fromkeys(
             _STRUCTURES, (f"this must be {_STRUCTURES.get(error['type'])}, not {given}", f"write {written}")
         ),
-        "list_type": (f"this must be a list, not {given}", _as_list(key, error.get("input"), written)),
+        "list_type": (f"this must be a list, not {given}", _as_list(path, error.get("input"), written)),
         "bool_type": (f"this must be true or false, not {given}", "write true or false"),
         "bool_parsing": (f"this must be true or false, not {given}", "write true or false"),
         "string_type": (f"this must be a text, not {given}", "put the text in quotes"),
@@ -125,10 +126,14 @@ def _words(error: ErrorDetails, path: Path) -> tuple[str, str]:
     return words.get(error["type"], (f"this cannot be {given}", f"write {written}"))
 
 
-def _as_list(key: str, value: object, written: str) -> str:
-    """A list of one value, where that is short; else what a list looks like."""
-    line = entry(key, [value])
-    return f"write {line}" if not line.endswith(":") else f'start each item with "- ", or write {written}'
+def _as_list(path: Path, value: object, written: str) -> str:
+    """A list of the value, or of the items of a mapping by their names, where that is short; else an example."""
+    keys, items, first = _keys((*path, 0)), [value], "- "
+    if isinstance(value, Mapping) and value and all(isinstance(item, Mapping) for item in value.values()):
+        items = [{"name": name, **item} for name, item in value.items()] if "name" in keys else []
+        first = f"- name: {brief(next(iter(value)))}" if items else "- "
+    line = entry(brief(path[-1]) if path else "", items or None)
+    return f"write {line}" if not line.endswith(":") else f'start each item with "{first}", or write {written}'
 
 
 def _other_key(path: Path) -> str:

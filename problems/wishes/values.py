@@ -147,8 +147,6 @@ def _section(path: Path, given: Any) -> Words | None:
             names = [given] if text else [name for name in items if isinstance(name, str)]
             inner = ", ".join(f"{name}: {{}}" for name in names[:3]) or "u: {}"
             wish = "controls are told by name", f"write controls: {{{inner}}}"
-        case ("mesh",) if isinstance(given, dict) and given:
-            wish = "the mesh is a schedule", f'start each item with "- ", or write mesh: [{flow(given)}]'
         case ("refine",) if number:
             wish = "refinement has several settings", f"write refine: {{{entry('tolerance', given)}}}"
         case ("guess",) if text and _CSV.fullmatch(given):
@@ -169,6 +167,10 @@ def _entry(path: Path, given: Any) -> Words | None:
             points, values = zip(*given, strict=True)
             line = f"{name}: {{points: {{x: {flow(list(points))}}}, {entry('values', list(values))}}}"
             return "a table has points and values", f"write {line}, with the name of its argument for x"
+        case ("objective", sense, "integral" | "terminal" as term) if isinstance(given, dict) and given:
+            phase, value = next(iter(given.items()))
+            line = entry("objective", {sense: {term: value}})
+            return "the terms of a phase stand in it", f"under phases.{phase} write {line}"
         case ("continuation", name) if isinstance(given, int | float) and not isinstance(given, bool):
             return "the values on the way are a list", f"write {name}: [{given}]"
     return None

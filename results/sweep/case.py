@@ -24,7 +24,7 @@ from ...problems.text import short_repr
 from ...transcription.continuation import solve_spec
 from ...transcription.loading import build_checked, load_yaml, located
 from ...transcription.solution.solution import Solution
-from ...transcription.starts.near import Near, what_is_left
+from ...transcription.starts.near import Near, further, what_is_left
 from ..file.guess import adapted
 from ..file.json_values import for_json
 from ..file.summary import causes
@@ -51,6 +51,32 @@ class Left:
 
     curves: Curves
     near: Near | None = None
+
+    def ahead(self, earlier: Left, share: float) -> Left:
+        """What to start the next case from: it is foretold by the line through this one and an earlier one.
+
+        earlier: the one that this one was started from.
+        share: the step to the next case, as a part of that from the earlier to this one.
+
+        This one itself, where the two do not have the same points.
+        """
+        pairs = [(own, earlier.curves.get(name)) for name, own in self.curves.items()]
+        alike = all(before is not None and np.array_equal(own.s, before.s) for own, before in pairs)
+        if not alike or self.near is None or earlier.near is None:
+            return self
+        curves = {name: _ahead(own, earlier.curves[name], share) for name, own in self.curves.items()}
+        if any(own.final_time <= own.initial_time for own in curves.values()):
+            return self
+        return Left(curves, self.near.ahead(earlier.near, share))
+
+
+def _ahead(own: Guess, earlier: Guess, share: float) -> Guess:
+    """Curves a step on from two at the same points, as of `Left.ahead`."""
+    t0 = further(own.initial_time, earlier.initial_time, share)
+    tF = further(own.final_time, earlier.final_time, share)
+    values = {name: further(curve, earlier.values[name], share) for name, curve in own.values.items()}
+    parameters = {name: further(value, earlier.parameters[name], share) for name, value in own.parameters.items()}
+    return Guess(t0, tF, own.s, values, parameters)
 
 
 @short_repr

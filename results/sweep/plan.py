@@ -19,6 +19,9 @@ from ...problems.schema.solving import MAX_CASES
 from ...problems.text import brief
 from .axes import Axis
 
+FARTHEST = 2.0
+"""Of a step: what a line through two cases is believed for, beyond the second."""
+
 GRID, ZIP, LIST, SAMPLE = "grid", "zip", "list", "sample"
 
 
@@ -78,6 +81,21 @@ class Plan:
         axis = max(axis for axis, i in enumerate(place) if i)
         place[axis] -= 1
         return self.number(place)
+
+    def share(self, earlier: int, before: int, number: int) -> float | None:
+        """The step to a case from the one before it, as a part of the step that led to that; None where the three are
+        not on one line of numbers, or it leads back, or farther than FARTHEST.
+
+        earlier, before, number: of cases, each the neighbour of the next.
+        """
+        places = [self.values(own) for own in (earlier, before, number)]
+        varied = [path for path in self.paths if len({place[path] for place in places}) > 1]
+        try:
+            first, second, third = (float(place[path]) for path in varied for place in places)
+        except ValueError:  # several are varied, or what is has no numbers
+            return None
+        share = (third - second) / (second - first) if second != first else 0.0
+        return share if 0 < share <= FARTHEST else None
 
 
 def stored_plan(about: Mapping[str, Any], where: str) -> Plan:

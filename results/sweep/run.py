@@ -111,13 +111,22 @@ class _Loop:
         return Task(number, values, job.text, job.file, job.overrides, origin, job.chain, job.full, job.command)
 
     def _origin(self, number: int) -> tuple[int, Left] | None:
-        """The nearest case on the way back along the chain that is solved, with what it leaves."""
-        before = self.plan.before(number) if self.job.chain else None
+        """The nearest case on the way back along the chain that is solved, with what it leaves; for the next case, with
+        what it and the one before foretell."""
+        near = before = self.plan.before(number) if self.job.chain else None
         while before is not None:
             if left := self.store.left(before):
-                return before, left
+                return before, self._foretold(number, before, left) if before == near else left
             before = self.plan.before(before)
         return None
+
+    def _foretold(self, number: int, before: int, left: Left) -> Left:
+        earlier = self.plan.before(before)
+        share = None if earlier is None else self.plan.share(earlier, before, number)
+        if earlier is None or share is None:
+            return left
+        known = self.store.left(earlier)
+        return left.ahead(known, share) if known else left
 
     def answers(self, stop: Callable[[], bool]) -> list[Mapping[str, Any]]:
         """The records of the cases that have ended by now, which are kept. Workers go on with others while these are

@@ -12,7 +12,7 @@ from ..one_mesh import Found, Origin, solve_mesh
 from ..schemes.mesh import Mesh
 from ..settings import Settings
 from ..solution.solution import Solution
-from ..transcribe import refused
+from ..transcribe import divided
 
 
 @dataclass(frozen=True)
@@ -47,17 +47,8 @@ class Attempt:
         """
         origin, watch = replace(self.start, guess=guess, near=None), replace(self.watch, stop=limit.reached)
         settings = self.settings.within(iterations)
-        return solve_mesh(self.problem, self.finer(times), self.tolerance, settings, origin, watch)
-
-    def finer(self, times: int) -> list[Mesh]:
-        """The meshes with this many segments for each; those of phases that have no other mesh stay as they are."""
-        pairs = zip(self.problem.phases, self.meshes, strict=True)
-        return [mesh if phase.exact else mesh.divided(times) for phase, mesh in pairs]
-
-    def divisible(self, times: int) -> bool:
-        """Whether there are such meshes, and none is refused."""
-        return not all(phase.exact for phase in self.problem.phases) and not any(
-            refused(self.problem, self.finer(times))
+        return solve_mesh(
+            self.problem, divided(self.problem, self.meshes, times), self.tolerance, settings, origin, watch
         )
 
 

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import product
 
 from ...problems.problem import Problem
 from ..engines.watch import Limit
 from ..one_mesh import Found
 from ..solution.solution import Solution
 from ..starts.drawn import chosen_parameters, other_parameters
-from ..starts.other import OtherStart, other_starts, without_effect
+from ..starts.other import OtherStart, both_sides, other_starts, without_effect
 from ..structure.several import may_have_several
+from ..transcribe import MORE_SEGMENTS, may_be_divided
 from .attempt import Attempt, better
+from .lasting import run_lasting
+from .segments import ITERATIONS, of_the_mesh
 
 MANY = "the problem may have other optima than that near its guess"
 """What is doubtful of a solution that cost little, of a problem that is not known to be convex (`may_have_several`)."""
 
 MORE, FEW = 8, 4
 """Starts with other static parameters: of a problem without time, and of others."""
-
-BOTH_SIDES = 2
-"""Of the other starts: controls above, and below, the middle of their bounds."""
 
 
 def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
@@ -42,14 +42,35 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
         if limit.reached():
             break
         tried += 1
-        found = attempt.run(other.guesses, limit)
+        found = run_lasting(attempt, other.guesses, limit)
         if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(attempt, found, best, limit)):
             best, words = found, other.words
             if not doubt:
                 break
+    if not best[0].status.usable and (finer := _on_more_segments(attempt, first, limit)):
+        return finer
     if doubt == MANY and not words:  # it is so of every such problem
         return first
     return replace(best[0], notes=(*best[0].notes, _told(own, idle, doubt, words, tried))), best[1]
+
+
+def _on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | None:
+    """The solution from other controls on more segments, where refinement follows; None if there is none.
+
+    What is simulated satisfies the dynamics, but few segments may not hold it: where growth ends at once, say.
+    """
+    problem, few = attempt.problem, sum(mesh.segments for mesh in attempt.meshes)
+    if not attempt.settings.refine or not of_the_mesh(attempt, failed[0]):
+        return None
+    for times, other in product(MORE_SEGMENTS, both_sides(problem)):
+        if limit.reached() or not may_be_divided(problem, attempt.meshes, times):
+            return None
+        solution, solved = attempt.run(other.guesses, limit, times=times, iterations=ITERATIONS)
+        if solution.status.usable:
+            told = f"the start of the file failed on {few} segments and on more ({failed[0].status.message})"
+            told += f"; this is the solution from another on {few * times}: {other.words}"
+            return replace(solution, notes=(*solution.notes, told)), solved
+    return None
 
 
 def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
@@ -57,7 +78,7 @@ def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
     if many and chosen_parameters(problem):
         timeless = all(phase.static for phase in problem.phases)
         return other_parameters(problem, MORE if timeless else FEW)
-    return islice(other_starts(problem, doubtful=usable), BOTH_SIDES if many else None)
+    return both_sides(problem) if many else other_starts(problem, doubtful=usable)
 
 
 def _one_of_many(attempt: Attempt, found: Found) -> str:
@@ -66,7 +87,7 @@ def _one_of_many(attempt: Attempt, found: Found) -> str:
     if not may_have_several(solution, solved.nlp):
         return ""
     timeless = all(phase.static for phase in attempt.problem.phases)
-    return MANY if timeless or attempt.divisible(2) else ""
+    return MANY if timeless or may_be_divided(attempt.problem, attempt.meshes, 2) else ""
 
 
 def _stays_better(attempt: Attempt, new: Found, old: Found, limit: Limit) -> bool:

@@ -8,13 +8,14 @@ from ..engines.outcome import Status
 from ..engines.watch import Limit
 from ..one_mesh import Found
 from ..solution.solution import Solution
+from ..transcribe import MORE_SEGMENTS, divided, may_be_divided
 from .attempt import Attempt
 
 CRAWLING = 800
 """Iterations of a first mesh after which more segments are tried: nine in ten of the shipped problems take 100."""
 
-MORE, FEW = (2, 4), 400
-"""Times the segments of the first mesh; iterations of each try."""
+ITERATIONS = 400
+"""Of each try on more segments."""
 
 MANY = 100
 """Segments of a mesh that are not too few: what fails on so many does not for want of them."""
@@ -61,13 +62,13 @@ def on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | N
     few = sum(mesh.segments for mesh in attempt.meshes)
     why = "it crawled" if failed[0].status is Status.MAX_ITERATIONS else failed[0].status.message
     told = f"{few} segments from the start of the file led to no solution ({why})"
-    for times in MORE:
-        if limit.reached() or not attempt.divisible(times):
+    for times in MORE_SEGMENTS:
+        if limit.reached() or not may_be_divided(attempt.problem, attempt.meshes, times):
             break
-        solution, solved = attempt.run(attempt.start.guess, limit, times=times, iterations=FEW)
+        solution, solved = attempt.run(attempt.start.guess, limit, times=times, iterations=ITERATIONS)
         if not solution.status.usable:
             continue
-        many = sum(mesh.segments for mesh in attempt.finer(times))
+        many = sum(mesh.segments for mesh in divided(attempt.problem, attempt.meshes, times))
         if attempt.settings.refine:
             return replace(solution, notes=(*solution.notes, f"{told}; {many} did")), solved
         back = attempt.run(solution.trajectories, limit)

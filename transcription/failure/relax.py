@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import inf, isfinite
+from itertools import product
+from math import inf
 
 import numpy as np
 
@@ -26,8 +27,8 @@ from ..program.contract import NonlinearProgram
 from ..schemes.mesh import Mesh
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import times_at, when_between
-from ..starts.other import other_starts
-from ..transcribe import program
+from ..starts.other import both_sides, other_starts
+from ..transcribe import MORE_SEGMENTS, divided, may_be_divided, program
 from .elastic import ElasticProgram, Soft
 from .soft import soft_constraints
 
@@ -39,7 +40,7 @@ DEAR = 1e3  # times the price of what is tried: others give way only if it does 
 BEYOND = 0.01  # of the relaxation, beyond the bound: there it is needed
 SHORTEST = 1e-3  # of the guessed duration: a phase stays that long
 ITERATIONS = 300
-POINTS = 120  # of a mesh, at most: what contradicts each other does so on any
+POINTS = 120  # of a mesh, at most
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,8 @@ def explain(
     together = tuple(least.relaxations)
     if not together:
         return Explanation(True, True, least.curves)
+    if (found := _feasible_on_more(problem, smaller, guess, stop)) is not None:
+        return Explanation(True, True, found)
     alternatives = sorted(search.alone(least), key=lambda own: own.share)
     return Explanation(True, False, least.curves, tuple(alternatives), together)
 
@@ -139,6 +142,22 @@ def _feasible(
     z = bounded_start(transcription)[0]
     found = _solved(transcription, nlp, [], z, np.zeros(0), stop)
     return found.curves if found.usable else None
+
+
+def _feasible_on_more(
+    problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None, stop: Callable[[], bool] | None
+) -> tuple[Trajectory, ...] | None:
+    """As `_feasible`, on more segments: few of them may contradict what the dynamics allow.
+
+    Simulated states are tried, too.
+    """
+    starts = [guess, *(other.guesses for other in both_sides(problem))]
+    for times, start in product(MORE_SEGMENTS, starts):
+        if not may_be_divided(problem, meshes, times) or (stop and stop()):
+            return None
+        if (found := _feasible(problem, divided(problem, meshes, times), start, stop)) is not None:
+            return found
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,18 +269,16 @@ def _suspects(elastic: ElasticProgram, outcome: Outcome) -> list[int]:
 
 
 def _relaxations(elastic: ElasticProgram, outcome: Outcome, curves: Sequence[Trajectory]) -> Iterator[Relaxation]:
+    """What the values exceed, not the slacks: of these the barrier leaves some where nothing is exceeded."""
     phases = {curve.phase.name: curve for curve in curves}
-    values = elastic.values(outcome.z)
-    for own, g, *slacks in zip(elastic.soft, values, *elastic.slacks(outcome.z), strict=True):
-        up, down = (
-            float(slack) if slack > RELAXED * own.size and isfinite(bound) else 0.0
-            for slack, bound in zip(slacks, (own.upper, own.lower), strict=True)
-        )
+    for own, g in zip(elastic.soft, elastic.values(outcome.z), strict=True):
+        beyond = g - own.upper, own.lower - g
+        up, down = (float(most) if most > RELAXED * own.size else 0.0 for most in (side.max() for side in beyond))
         if not up and not down:
             continue
         times: list[float | None] = [None, None]
         if own.over_time:
-            s = own.s[np.maximum(g - own.upper, own.lower - g) > BEYOND * max(up, down)]
+            s = own.s[np.maximum(*beyond) > BEYOND * max(up, down)]
             times = [*times_at(phases[own.phase], np.array([s.min(), s.max()]))]
         after = Range(_tidy(own.lower - down, own.size), _tidy(own.upper + up, own.size))
         if own.lower == own.upper:

@@ -13,7 +13,8 @@ is then worse than foretold by much of the step, maybe another optimum, is solve
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -57,6 +58,16 @@ class Near:
         alike = len(here) == len(self.points) and all(map(np.array_equal, here, self.points))
         return alike and sizes == (nlp.m, nlp.n, nlp.n)
 
+    def ahead(self, earlier: Near, share: float) -> Near:
+        """What the next neighbour may leave: it lies a step on, as long as that from an earlier one, times `share`.
+
+        earlier: of the same points.
+        share: above 0.
+        """
+        names = ("y", "z_lower", "z_upper")
+        y, z_lower, z_upper = (further(getattr(self.start, n), getattr(earlier.start, n), share) for n in names)
+        return replace(self, start=Start(y, np.maximum(z_lower, 0.0), np.maximum(z_upper, 0.0)))
+
     def foretold(self, nlp: NonlinearProgram, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
         """The Lagrangian of a program at the neighbour's point; NaN if that is not close.
 
@@ -76,6 +87,18 @@ class Near:
         foretold = float(f + sum(own @ np.where(np.isfinite(gap), gap, 0.0) for own, gap in terms))
         close = abs(foretold - self.objective) <= CHANGED * (1 + abs(self.objective))
         return foretold if close and max(rows, _passed(z, lower, upper)) <= PASSED else np.nan
+
+
+Moved = TypeVar("Moved", float, np.ndarray)
+
+
+def further(here: Moved, earlier: Moved, share: float) -> Moved:
+    """A step on, as long as the last one times a share.
+
+    here, earlier: the end and the beginning of the last one: numbers, or arrays of one shape.
+    share: above 0.
+    """
+    return here + share * (here - earlier)
 
 
 def _passed(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -31,6 +32,9 @@ LONGER = 3.0
 
 LARGEST = 1e8
 """Of a simulated state: beyond it a simulation says nothing about an optimum."""
+
+SAME, ABSOLUTE, EVALUATIONS = 1e-3, 1e-3, 5000
+"""Relative to their sizes: how exact simulated states are, and what is nothing of them; evaluations of their rates."""
 
 NO_SLOPE = 1e-6
 """Of a rate with a control: by less than this the control has no effect to speak of."""
@@ -84,6 +88,14 @@ def other_starts(problem: Problem, doubtful: bool) -> Iterator[OtherStart]:
         yield OtherStart(change.words, [_changed(phase, change) for phase in problem.phases])
 
 
+def both_sides(problem: Problem) -> Iterator[OtherStart]:
+    """The first of the other starts: controls above, and below, the middle of their bounds.
+
+    problem: any.
+    """
+    return islice(other_starts(problem, doubtful=True), 2)
+
+
 def _changed(phase: Phase, change: _Change) -> Guess:
     guess = phase.guess
     if change.longer and not phase.final_time.fixed:
@@ -134,11 +146,9 @@ def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.n
     duration = guess.final_time - guess.initial_time
     t = guess.initial_time + s * duration
     u = np.array([values[variable.name] for variable in phase.inputs])
-    x, rates = np.empty((len(phase.states), len(s))), _rates(phase, guess)
-    x[:, 0] = [state.initial.clip(values[state.name][0]) for state in phase.states]
+    x0 = np.array([state.initial.clip(values[state.name][0]) for state in phase.states])
     with np.errstate(all="ignore"):
-        for k in range(len(s) - 1):
-            x[:, k + 1] = _runge_kutta_step(rates, t[k], t[k + 1] - t[k], x[:, k], u[:, k])
+        x = _course(_rates(phase, guess), t, x0, u)
     if not (np.abs(x) < LARGEST).all():
         return {}
     found = {}
@@ -164,6 +174,50 @@ def _rates(phase: Phase, guess: Guess) -> Rates:
         return f
 
     return rates
+
+
+def _course(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """The states at the times t (K,), shape (n_x, K), from x0 (n_x,), under controls u (n_u, K) there.
+
+    Where twice the steps lead elsewhere, as with rates that are fast or have poles, an integrator chooses its own.
+    """
+    x, finer = (_stepped(rates, t, x0, u, steps) for steps in (1, 2))
+    size = SAME * (np.abs(finer).max(axis=1) + np.abs(x0))
+    return finer if (np.abs(x - finer).max(axis=1) <= size).all() else _integrated(rates, t, x0, u)
+
+
+def _stepped(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray, steps: int) -> np.ndarray:
+    """As `_course`, by so many equal steps from each time to the next."""
+    x = np.empty((len(x0), len(t)))
+    x[:, 0] = x0
+    for k, h in enumerate(np.diff(t) / steps):
+        x[:, k + 1] = x[:, k]
+        for step in range(steps):
+            x[:, k + 1] = _runge_kutta_step(rates, t[k] + step * h, h, x[:, k + 1], u[:, k])
+    return x
+
+
+def _integrated(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """As `_course`, by LSODA; infinite where it does not come to the end."""
+    from scipy.integrate import solve_ivp  # it takes longer to import than a small problem to solve
+
+    left = iter(range(EVALUATIONS))
+
+    def f(time: float, x: np.ndarray) -> np.ndarray:
+        if next(left, None) is None or not (np.abs(x) < LARGEST).all():
+            raise _RunsAwayError
+        return rates(time, x, np.array([np.interp(time, t, own) for own in u]))
+
+    absolute = SAME * ABSOLUTE * (1e-3 + np.abs(x0))
+    try:
+        found = solve_ivp(f, (t[0], t[-1]), x0, "LSODA", t_eval=t, rtol=SAME, atol=absolute)
+    except _RunsAwayError:
+        return np.full((len(x0), len(t)), np.inf)
+    return found.y if found.success else np.full((len(x0), len(t)), np.inf)
+
+
+class _RunsAwayError(Exception):
+    """A simulation has no end."""
 
 
 def _runge_kutta_step(rates: Rates, t: float, h: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:

@@ -154,3 +154,21 @@ def test_lines_of_texts_below_their_keys(written, line):
         return
     (told,) = mistakes(text)
     assert told.startswith(f"w.yaml:{8 + line}: "), told
+
+
+@pytest.mark.parametrize(
+    ("written", "line"),
+    [
+        (
+            "constraints: {path: {power: {expression: u*v, upper: 3}}}",
+            "path: [{name: power, expression: u*v, upper: 3}]",
+        ),
+        ("constraints: {integral: {e: {expression: u, upper: 3}}}", "integral: [{name: e, expression: u, upper: 3}]"),
+        ("mesh: {radau: {segments: 10}}", "mesh: [{method: trapezoid, segments: 20}]"),
+    ],
+)
+def test_a_list_as_a_mapping_of_names(written, line):
+    """The line that is told works: the items have their names, or it is an example."""
+    (told,) = mistakes(FILE + written + "\n")
+    assert line in told
+    load_yaml(FILE + (f"constraints: {{{line}}}\n" if "mesh" not in line else line + "\n"), (), "w.yaml")

@@ -6,10 +6,10 @@ import pytest
 from command_line import trajopt
 
 from trajopt.problems.errors import SpecError
-from trajopt.results.sweep.axes import axis_of, parse_axis
+from trajopt.results.sweep.axes import Axis, axis_of, parse_axis
 from trajopt.results.sweep.check import looked_at
 from trajopt.results.sweep.dataset import dimensions
-from trajopt.results.sweep.plan import grid, listed_in_file, sampled, zipped
+from trajopt.results.sweep.plan import Plan, grid, listed_in_file, sampled, zipped
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -168,3 +168,28 @@ def test_errors_survive_the_way_between_processes():
         parse_axis("a=1:2")
     again = pickle.loads(pickle.dumps(error.value))
     assert again.mistakes == error.value.mistakes and str(again) == str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("design", "axes", "share"),
+    [
+        ("grid", [["1", "2", "3"]], 1.0),
+        ("grid", [["1", "1.2", "1.5"]], 1.5),
+        ("grid", [["a", "b", "c"]], None),
+        ("grid", [["1", "2", "9"]], None),  # farther than is believed
+        ("grid", [["1", "2", "1.5"]], None),  # back again
+        ("grid", [["1", "2", "nan"]], None),
+        ("grid", [["0", "0", "0"], ["1e-3", "2e-3", "3e-3"]], 1.0),
+        ("zip", [["1", "2", "3"], ["1", "2", "3"]], None),  # not on one axis
+        ("zip", [["7", "7", "7"], ["3", "2", "1"]], 1.0),
+    ],
+)
+def test_the_step_to_a_case_as_a_part_of_the_one_before(design, axes, share):
+    plan = Plan(design, tuple(Axis(f"p.{i}", tuple(values)) for i, values in enumerate(axes)))
+    found = plan.share(0, 1, 2)
+    assert found is share if share is None else found == pytest.approx(share)
+
+
+def test_the_first_case_of_a_line_is_on_no_line_with_the_line_before():
+    plan = Plan("grid", (Axis("a", ("1", "2")), Axis("b", ("1", "2", "3"))))
+    assert plan.before(3) == 0 and plan.share(1, 2, 3) is None and plan.share(0, 3, 4) is None

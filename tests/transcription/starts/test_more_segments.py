@@ -80,6 +80,53 @@ def test_a_mesh_of_the_user_stays(folder):
 
 def test_what_cannot_be_followed_on_any_mesh_is_told_as_before(folder):
     """The wave asks for accelerations up to 25: no number of segments makes 5 enough."""
-    summary = solved(folder, wave(5, 5, 0.03))
+    summary = solved(folder, wave(5, 5, 0.03) + "mesh: [{method: trapezoid, segments: 10}]\n")
     assert not summary["solved"] and summary["violations"]
     assert not any("segments" in note for note in summary["notes"])
+
+
+BIOREACTOR = """
+trajopt: 1
+name: growth on a substrate with a feed
+parameters: {mu: 2.0, K: 0.2, d: 0.05, Y: 0.5}
+time: {initial: 0, final: 30}
+states:
+  S: {rate: F - mu/Y*S*X/(K + S), initial: 5, lower: 0}
+  X: {rate: mu*S*X/(K + S) - d*X, initial: 0.1, lower: 0}
+controls: {F: {lower: 0, upper: 1}}
+objective: {maximize: {integral: X - 2*F}}
+"""
+
+TREATMENT = """
+trajopt: 1
+name: treatment of a virus
+parameters: {s1: 2.0, s2: 1.5, mu: 0.002, k: 2.5e-4, g: 30, B1: 14, B2: 1, A1: 2.5e5, A2: 75, c: 0.007}
+time: {initial: 0, final: 50}
+states:
+  T: {rate: s1 - s2*V/(B1 + V) - mu*T - k*V*T + u1*T, initial: 400}
+  V: {rate: g*(1 - u2)*V/(B2 + V) - c*V*T, initial: 3}
+controls: {u1: {lower: 0, upper: 0.02}, u2: {lower: 0, upper: 0.9}}
+objective: {maximize: {integral: T - A1*u1**2 - A2*u2**2}}
+"""
+
+
+@pytest.mark.parametrize(("half", "best"), [(0.2, 128.3427), (1.0, 127.9444)])
+def test_growth_that_ends_at_once(half, best, folder):
+    """Neither the start of the file nor 10 segments hold the end of growth; simulated states on 20 do."""
+    summary = solved(folder, BIOREACTOR, "--set", f"parameters.K={half}")
+    assert summary["solved"] and summary["objective"] == pytest.approx(best, abs=0.01)
+    assert any("this is the solution from another on 20" in note for note in summary["notes"])
+
+
+def test_few_segments_contradict_what_more_do_not(folder):
+    """No constraint has to give way where the trajectory under a constant feed satisfies all."""
+    (folder / "problem.yaml").write_text(BIOREACTOR)
+    explained = trajopt("explain", "problem.yaml")
+    assert explained.exit_code == 0 and "the constraints can all hold" in explained.stdout
+
+
+def test_a_solution_that_is_no_trajectory(folder):
+    """On 10 segments V passes the pole at V = -1; PROPT's manual: 29514.4477 for Joshi's model (2002)."""
+    summary = solved(folder, TREATMENT)
+    assert summary["solved"] and summary["objective"] == pytest.approx(29514.4477, abs=0.01)
+    assert any("was no trajectory of the dynamics" in note for note in summary["notes"])

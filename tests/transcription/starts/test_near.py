@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from command_line import trajopt
 
+from trajopt.results.sweep.axes import Axis
 from trajopt.results.sweep.case import Task, solve_case
+from trajopt.results.sweep.plan import grid
 from trajopt.results.sweep.small import BROKEN, packed, unpacked
 from trajopt.transcription.continuation import solve_spec
 from trajopt.transcription.engines.outcome import Start, Status
@@ -200,3 +202,48 @@ def test_a_chained_sweep_is_the_same_whatever_the_number_of_workers(folder):
         assert name == other_name and one | {"seconds": 0} == two | {"seconds": 0}
         assert np.array_equal(mine.near.start.y, yours.near.start.y)
         assert np.array_equal(mine.curves["main"].values["u"], yours.curves["main"].values["u"])
+
+
+def along(path, values):
+    """What the cases with these values of a path leave, each solved from its guess."""
+    tasks = (Task(i, {path: value}, SWING, "swing.yaml", (), chain=True) for i, value in enumerate(values))
+    return [solve_case(task).left for task in tasks]
+
+
+@pytest.mark.parametrize(("path", "values"), [("parameters.u_max", "12 12.1 12.2"), ("time.final", "2 2.02 2.03")])
+def test_two_neighbours_foretell_the_next_to_the_second_order(path, values):
+    """Curves, times, and multipliers: what is missed is a small part of the step."""
+    values = values.split()
+    plan = grid([Axis(path, tuple(values))])
+    first, second, third = along(path, values)
+    ahead = second.ahead(first, plan.share(0, 1, 2))
+    for name, curve in third.curves["main"].values.items():
+        missed, step = (np.abs(own.curves["main"].values[name] - curve).max() for own in (ahead, second))
+        assert missed < 0.3 * step + 1e-6
+    assert ahead.curves["main"].final_time == pytest.approx(third.curves["main"].final_time, rel=1e-12)
+    missed, step = (np.abs(own.near.start.y - third.near.start.y).max() for own in (ahead, second))
+    assert missed < 0.3 * step
+    assert min(ahead.near.start.z_lower.min(), ahead.near.start.z_upper.min()) >= 0
+
+
+def test_what_has_other_points_or_no_multipliers_foretells_nothing():
+    first, second = along("parameters.u_max", ["12", "12.1"])
+    own = first.curves["main"]
+    fewer = replace(own, s=own.s[::2], values={name: curve[::2] for name, curve in own.values.items()})
+    for other in (replace(first, curves={"main": fewer}), replace(first, curves={})):
+        assert second.ahead(other, 1.0) is second
+    assert second.ahead(replace(first, near=None), 1.0) is second
+
+
+def test_a_case_starts_from_what_both_neighbours_foretell(folder):
+    """In a sweep, where that leads to the same optimum in fewer iterations than each neighbour alone."""
+    Path("swing.yaml").write_text(SWING)
+    records = {}
+    for name, values in (("line", "12,12.1,12.2,12.3,12.4,12.5"), ("alone", "12.4,12.5")):
+        run = trajopt("sweep", "swing.yaml", "--over", f"parameters.u_max={values}", "--chain", "-q", "-o", name)
+        assert run.exit_code == 0
+        records[name] = [json.loads(line) for line in Path(name, "index.jsonl").read_text().splitlines()]
+    line, alone = records["line"][-1], records["alone"][-1]
+    assert line["values"] == alone["values"] and line["start"] == "case 4"
+    assert line["objective"] == pytest.approx(alone["objective"], rel=1e-8)
+    assert line["iterations"] < alone["iterations"]
