@@ -47,9 +47,7 @@ def build(spec: Spec, mesh: int = -1) -> Problem:
         builders[name] = _Builder(own, name, mesh, frozenset(taken), partial(home, spec, name))
     first = next(iter(builders.values()))
     symbols = {name: builder.symbols for name, builder in builders.items()}
-    phases = [builder.phase() for builder in builders.values()]
-    if len(phases) > 1:
-        phases = list(map(with_times_in_order, phases))
+    phases = [with_times_in_order(builder.phase()) for builder in builders.values()]
     specs = {name: builder.spec for name, builder in builders.items()}
     links, mayer = links_of(shared, phases, symbols) if own_entries(spec) else ((), None)
     phases = through_phases(shared, specs, symbols, phases, links)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ..problems.problem import Problem
 from .attempts.attempt import Attempt, better
+from .attempts.lasting import from_lasting, told_of_lasting
 from .attempts.others import from_others
 from .attempts.segments import CRAWLING, OF_THE_MESH, may_crawl, of_the_mesh, on_more_segments
 from .engines.outcome import Status
@@ -42,13 +43,13 @@ def solve_first_mesh(
     """Solve on the first mesh; more segments and other starts are tried where that is no good.
 
     A mesh that has no solution, or none within CRAWLING iterations, gives way to one of more segments with the same
-    guess. A start that fails gives way to the first that does not. One at which a control has no effect is doubtful,
-    whether it fails or not, and so is one from which a phase shrank to nothing, where no control has any effect either:
-    of all that are solved, the solution with the best objective is kept; so it is of problems that are
-    solved in milliseconds and may have several optima, where what is better has to be so on a mesh with twice the
-    segments too. If none is solved, an elastic program finds a feasible trajectory to start from, or else what would
-    have to give way. The solution's notes say what was done, and, from any start, which controls have no effect along
-    the solution. Its last mesh is the one that was solved.
+    guess. Where a free duration shrank in a solve that failed, it is held longer first. A start that fails gives way to
+    the first that does not. One at which a control has no effect is doubtful, whether it fails or not, and so is one
+    from which a phase shrank to nothing, where no control has any effect either: of all that are solved, the solution
+    with the best objective is kept; so it is of problems that are solved in milliseconds and may have several optima,
+    where what is better has to be so on a mesh with twice the segments too. If none is solved, an elastic program finds
+    a feasible trajectory to start from, or else what would have to give way. The solution's notes say what was done,
+    and, from any start, which controls have no effect along the solution. Its last mesh is the one that was solved.
 
     problem, meshes, tolerance, settings, start, watch: as of `solve_mesh`.
     """
@@ -64,6 +65,8 @@ def solve_first_mesh(
     seconds = max(SECONDS, TIMES * first)
     away = not best[0].status.usable and _ran_away(best[0])
     limit = Limit(max(ONCE_AWAY, first) if away else seconds, watch.stop, time.process_time)
+    if start.guess is None and not away and (found := from_lasting(attempt, best, None, limit)):
+        return _doubted((replace(found[0], notes=(*found[0].notes, told_of_lasting(best[0]))), found[1]))
     if of_the_mesh(attempt, best[0]) and (found := on_more_segments(attempt, best, limit)):
         return _doubted(found)
     if cut and best[0].status is Status.MAX_ITERATIONS and not away:

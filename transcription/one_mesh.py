@@ -206,6 +206,8 @@ def measured(
         outcome = replace(outcome, z=unwound(transcription, nlp, outcome.z))
     problem, grids = transcription.problem, tuple(layout.mesh for layout in transcription.phases)
     read = trajectories(transcription, outcome.z)
+    if outcome.status.usable and any(own.leaps for own in read):
+        outcome = replace(outcome, status=Status.DIVERGING)
     errors = tuple(map(error_profile, read))
     phases = with_costates(transcription, nlp, outcome, read)
     violations, trouble = diagnose(transcription, nlp, outcome)

@@ -74,7 +74,7 @@ def _in_no_time(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
         free = bounds.lower == -inf and bounds.upper == inf and control.name not in limited
         if free and any(_acts_without_bound(root, control.name) for root in rates):
             what = (
-                f"the control {control.name} has no bounds, and the time is to be short: the optimum is no time at all"
+                f"the control {control.name} has no bounds, and the time is to be short: it may become no time at all"
             )
             yield Finding(control.path, what, "add lower: and upper:, or a term of the objective that makes it dear")
 

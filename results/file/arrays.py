@@ -142,7 +142,8 @@ def accuracy_of(file: h5py.File) -> str:
     if not file.attrs["solved"]:
         return ""
     solver, last = file["solver"].attrs, file["mesh"][str(len(file["mesh"]) - 1)].attrs
-    return inaccurate(int(solver["unmet_count"]), solver["stopped"], last["relative_error"])
+    bar = bar_of(file.attrs)["objective_error"] / (1 + abs(float(file.attrs["objective"])))
+    return inaccurate(int(solver["unmet_count"]), solver["stopped"], last["relative_error"], bar)
 
 
 def stored_meshes(group: h5py.Group) -> list[h5py.Group]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
+from ...problems.conserved.invariant import told_as_kept
+from ..failure.runaway import divided, runaway_times
 from ..solution.sensitivity import sensitivities
 from ..solution.solution import Solution
 from ..starts.warm import Solved
@@ -16,9 +18,14 @@ from ..transcribe import numbers_of
 
 
 def completed(solution: Solution, solved: Solved) -> Solution:
-    """The solution with all that its program tells; sensitivities are worked out when they are asked for."""
+    """The solution with all that its program tells; sensitivities are worked out when they are asked for.
+
+    Where it is not as accurate as was asked, a division by what changes its sign is told.
+    """
     own = (solved.transcription, solved.nlp, solved.outcome)
-    solution = replace(solution, sensitive=partial(sensitivities, *own, numbers_of))
+    poles = [divided(solution.trajectories)] if solution.solved and solution.inaccurate else []
+    told = (*runaway_times(solution.trajectories), *told_as_kept(solution.problem), *filter(None, poles))
+    solution = replace(solution, notes=(*solution.notes, *told), sensitive=partial(sensitivities, *own, numbers_of))
     if not solution.status.usable:
         return solution
     continuous = not all(phase.exact for phase in solution.problem.phases)

@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 
-from ...problems.conserved.invariant import told_as_kept
 from ..engines.outcome import Status
 from ..engines.watch import Limit, Watch
-from ..failure.runaway import runaway_times
 from ..first_mesh import solve_first_mesh
 from ..one_mesh import Found, Origin, solve_mesh
 from ..pontryagin.needles import Lower, lower_hamiltonian
@@ -120,9 +118,10 @@ class Loop:
         """Make a solution the one to give back, and see what comes after it."""
         self.last, self.lower, self.sharp = found, None, self._settings(number).gap is not None
         self.history.extend(found[0].meshes)
-        if self.settings.refine and found[0].status.usable and number + 1 >= self.scheduled:
-            asked = self.settings.refine
-            self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
+        if found[0].status.usable and number + 1 >= self.scheduled:
+            self.stopped = unmeasurable(found[0])
+            if (asked := self.settings.refine) and not self.stopped:
+                self._refine(number, found, Refine(FIRST, asked.max_meshes) if self.before_goal else asked)
         self.candidates.add(Kept(found, self.unmet, len(self.history)), number + 1 >= self.scheduled)
 
     def _back_to_the_best(self) -> None:
@@ -158,7 +157,7 @@ class Loop:
         if number:
             if number >= self.scheduled and self.last and self.last[0].is_no_trajectory:
                 settings = settings.within(SLOW)
-            found = from_coarser(self.steps[number], settings, start, watch)
+            found = from_coarser(self.steps[number], settings, start, watch, asked=number < self.scheduled)
         else:
             found = solve_first_mesh(*self.steps[number], settings, start, watch)
             problem, _, tolerance = self.steps[number]
@@ -220,9 +219,6 @@ class Loop:
     def _refine(self, number: int, found: Found, refine: Refine) -> None:
         """Add the next mesh, if there is to be one, and say what is not good enough."""
         solution = found[0]
-        if why_not := unmeasurable(solution):
-            self.stopped = why_not
-            return
         merge = number + 1 - self.scheduled <= MERGING_MESHES
         left = self.scheduled + refine.max_meshes - len(self.steps)
         exact = min(self.steps[self.scheduled - 1][2], asked_of_engine(refine))  # what is looser shows in the error
@@ -248,9 +244,8 @@ class Loop:
             gap = allowed_gap(self.settings.refine) * (1 + abs(solution.objective))
             solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
-        notes += (*runaway_times(solution.trajectories), *told_as_kept(solution.problem))
         solution = replace(
-            completed(solution, solved),
+            solution,
             meshes=(*self.history[:-1], solution.meshes[-1]),
             unmet=self.unmet,
             stopped=self.stopped,
@@ -258,10 +253,11 @@ class Loop:
             accept=self.settings.accept,
             notes=notes,
         )
+        solution = completed(solution, solved)
         if not self.lower or not solution.objective_error.applies:
             return solution
         told = f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}"
-        return self._widened(replace(solution, notes=(*notes, told)), self.lower.gain)
+        return self._widened(replace(solution, notes=(*solution.notes, told)), self.lower.gain)
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""

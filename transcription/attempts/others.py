@@ -15,6 +15,7 @@ from ..starts.other import OtherStart, both_sides, other_starts, without_effect
 from ..structure.several import may_have_several
 from ..transcribe import MORE_SEGMENTS, may_be_divided
 from .attempt import Attempt, better
+from .lasting import run_lasting
 from .segments import ITERATIONS, of_the_mesh
 
 MANY = "the problem may have other optima than that near its guess"
@@ -41,7 +42,7 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
         if limit.reached():
             break
         tried += 1
-        found = attempt.run(other.guesses, limit)
+        found = run_lasting(attempt, other.guesses, limit)
         if better(found[0], best[0], problem.sense) and (doubt != MANY or _stays_better(attempt, found, best, limit)):
             best, words = found, other.words
             if not doubt:

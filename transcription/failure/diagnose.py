@@ -47,7 +47,7 @@ def diagnose(
     if outcome.status is Status.OVERDETERMINED:
         return found, Trouble(counted(transcription, nlp))
     words = runaway(transcription, outcome) or _kink(transcription, outcome.z)
-    words = words or (divided(transcription, outcome) if outcome.status in BROKEN else "")
+    words = words or (divided(trajectories(transcription, outcome.z)) if outcome.status in BROKEN else "")
     return found, Trouble(words) if words else dependent(transcription, nlp, outcome)
 
 

@@ -78,7 +78,9 @@ class ElasticProgram:
         self.price = np.tile(factors / np.array([own.size for own in soft]), 2)
         _, lower, upper = bounded_start(transcription)
         free = np.isin(np.arange(nlp.n), self.unknowns)
-        self.lower = np.concatenate([np.where(free, -np.inf, lower), np.zeros(2 * K + 2 * J)])
+        times = [own.places for own in soft if own.of_time]  # a phase lasts, whatever gives way
+        below = free & ~np.isin(np.arange(nlp.n), np.concatenate([none, *times]))
+        self.lower = np.concatenate([np.where(below, -np.inf, lower), np.zeros(2 * K + 2 * J)])
         self.upper = np.concatenate([np.where(free, np.inf, upper), np.full(2 * K + 2 * J, np.inf)])
         self.near = NEAR / (1 + np.abs(start)) ** 2 / max(nlp.n, 1)
         self._place_derivatives(K, J)

@@ -6,7 +6,7 @@ denominator to zero, beyond which the quotient has the other sign.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -41,8 +41,8 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     found = list(trajectories(transcription, outcome.z))
     sizes = [item for own in found for item in _values(own)]
     size, text = max(sizes) if sizes else (0.0, "")
-    if size > LARGE:
-        return f"{text}: {REMEDY}"
+    if leap := next(filter(None, map(_leap, found)), f"{text}: {REMEDY}" if size > LARGE else ""):
+        return leap
     if not fallen(outcome, FALLEN_THROUGH):
         return ""
     division = next((text for own in found for text in _divisions(own)), "")
@@ -55,13 +55,12 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     return f"the objective runs to {transcription.problem.sense * outcome.objective:.3g}; {text}: {REMEDY}"
 
 
-def divided(transcription: Transcription, outcome: Outcome) -> str:
-    """What is divided by that changes its sign at the end of a failed solve, or "".
+def divided(found: Iterable[Trajectory]) -> str:
+    """What is divided by that changes its sign along the trajectories, or "".
 
-    transcription: what stands where.
-    outcome: of the solve.
+    found: of a solve that failed, or is not as accurate as was asked.
     """
-    return next((text for own in trajectories(transcription, outcome.z) for text in _divisions(own, crossed=True)), "")
+    return next((text for own in found for text in _divisions(own, crossed=True)), "")
 
 
 def fallen(outcome: Outcome, by: float = FALLEN) -> bool:
@@ -86,6 +85,19 @@ def _values(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
             yield abs(value), f"the {end} time{of_phase(phase.name)} runs to {value:.3g}"
     for name, value in trajectory.parameters.items():
         yield abs(value), f"{name} runs to {value:.3g}"
+
+
+def _leap(trajectory: Trajectory) -> str:
+    """A phase that has come to take no time, and what its inputs are then; "" for another."""
+    if not trajectory.leaps:
+        return ""
+    phase = trajectory.phase
+    largest = np.abs(np.nan_to_num(trajectory.u)).max(axis=1, initial=0.0)
+    found = [(size, own.name) for size, own in zip(largest, phase.inputs, strict=True) if size > LARGE]
+    name = max(found, default=(0.0, ""))[1]
+    grown = f", while {name} runs to {max(found)[0]:.3g}" if name else ""
+    bounds = f"give {name} bounds, or the time" if name else "give the time"
+    return f"the duration{of_phase(phase.name)} runs to zero{grown}: {bounds} a lower bound above zero"
 
 
 def _longer(trajectory: Trajectory) -> Iterator[str]:

@@ -23,6 +23,9 @@ from .violation import Violation
 LARGEST_ERROR = 1e-2
 """Relative error above which no point counts as accurate, whatever was asked for: a fixed mesh asks for nothing."""
 
+LARGEST_BAR = 5e-2
+"""The same of the error bar, relative to 1 + |J|: the largest of the shipped problems is 1.2e-2, on its fixed mesh."""
+
 NO_TRAJECTORY = 1.0
 """Relative error of what is no trajectory of the dynamics at all."""
 
@@ -180,7 +183,8 @@ class Solution:
     @property
     def inaccurate(self) -> str:
         """Why a solved problem is not as accurate as was asked, or ""."""
-        return inaccurate(len(self.unmet), self.stopped, self.meshes[-1].relative_error)
+        bar = self.objective_error.bar / (1 + abs(self.objective))
+        return inaccurate(len(self.unmet), self.stopped, self.meshes[-1].relative_error, bar)
 
     @property
     def max_eta(self) -> float:
@@ -198,13 +202,14 @@ def with_error_bar(solution: Solution, bar: float) -> Solution:
     return replace(solution, objective_error=error, meshes=(*solution.meshes[:-1], last))
 
 
-def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
+def inaccurate(unmet: int, stopped: str, relative_error: float | None, relative_bar: float) -> str:
     """Why a solution is not as accurate as was asked, or "".
 
     unmet: the number of segments that miss the tolerance.
     stopped: why refinement ended early, or "".
     relative_error: of the last mesh, None or NaN if it cannot be measured; then nothing is known against the solution
         but what was said.
+    relative_bar: the error bar over 1 + |J|, NaN if there is none.
     """
     if unmet:
         return f"{unmet} segment{'s' if unmet > 1 else ''} of the mesh miss the tolerance"
@@ -213,4 +218,6 @@ def inaccurate(unmet: int, stopped: str, relative_error: float | None) -> str:
     if relative_error is not None and relative_error > LARGEST_ERROR:
         what = f"the mesh is too coarse: the relative error is {relative_error:.1e}"
         return f"{what}; give it more segments, or --refine 1e-6"
+    if relative_bar > LARGEST_BAR:
+        return f"the error bar is {relative_bar:.1e} of 1 + |J|: more segments, or --accuracy 1e-3, may lessen it"
     return ""

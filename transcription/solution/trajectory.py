@@ -25,6 +25,8 @@ from ..schemes.mesh import Mesh
 
 DENSE_PER_SEGMENT = 30  # of the dense grid: 15 on each half of a Hermite-Simpson segment, as in the paper's figures
 ROUNDING = 1e-9  # of the largest time
+MOVED = 1e-6  # of 1 + the size of a state: it has moved
+NO_TIME = 1e-9  # of its guessed duration: in that nothing moves, but in a program that has no other solution
 NOTHING = 1e-6  # of its guessed duration: a phase shorter than that has shrunk to nothing
 ALIGNED = 1e-12  # of the duration: a time this near to the initial one is there
 DENSE_POINTS = 10_000  # about; large meshes get fewer points on each segment
@@ -74,6 +76,14 @@ class Trajectory:
         """Whether the phase takes any time, and has not shrunk to nothing."""
         guess = self.phase.guess
         return self.final_time - self.initial_time > NOTHING * (guess.final_time - guess.initial_time)
+
+    @property
+    def leaps(self) -> bool:
+        """Whether states move in no time, or in a negative one, which no dynamics do."""
+        guess, shift = self.phase.guess, np.abs(self.x[:, -1] - self.x[:, 0])
+        if self.phase.exact or self.final_time - self.initial_time > NO_TIME * (guess.final_time - guess.initial_time):
+            return False
+        return bool((shift > MOVED * (1 + np.abs(self.x).max(axis=1))).any())
 
     @cached_property
     def times(self) -> np.ndarray:

@@ -68,7 +68,7 @@ def test_a_final_time_that_is_too_short(names, folder):
     assert summary["solved"]
     assert summary["objective"] == pytest.approx(2 + 2 * np.sqrt(3), abs=1e-6)
     (note,) = summary["notes"]
-    assert "the start of the file failed" in note and "a longer final time" in note
+    assert "the start of the file failed" in note and "the time shrank" in note and "a longer time" in note
 
 
 def test_a_start_where_nothing_acts(folder):
