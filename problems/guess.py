@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from .guesses.conditions import conditioned
+from .guesses.conditions import conditioned, known_ends
 from .guesses.observed import observed_rows
 from .guesses.rates import differentiated, integrated
 from .guesses.rows import GuessRow, GuessSpan, combined, rows_of
@@ -46,7 +46,8 @@ def initial_guess(
         name: middle(symbols.range(static), symbols.number(static.guess, inf)) for name, static in spec.optimize.items()
     }
     both = np.array([0.0, 1.0])
-    asked = asked_ends(symbols, conditioned(boundary))
+    known = {**parameters, **known_ends(states), "t[initial]": first, "t[final]": last}
+    asked = asked_ends(symbols, conditioned(boundary, known))
     rows = {state.name: GuessRow(both, np.array(ends(state, *asked[state.name]))) for state in states}
     rows |= {variable.name: GuessRow(both, np.full(2, variable.bounds.clip(0.0))) for variable in inputs}
     span = GuessSpan(first, last, times[0].fixed and times[1].fixed)

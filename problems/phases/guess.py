@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..guess import asked_ends, middle
-from ..guesses.conditions import conditioned
+from ..guesses.conditions import conditioned, known_ends
 from ..guesses.rows import GuessRow, GuessSpan, combined, rows_of
 from ..names.symbols import Symbols
 from ..problem import Phase
@@ -45,9 +45,11 @@ def through_phases(
     guessed = {name: entry.guess.named.keys() for name, entry in own.items()}
     settled = {phase.name: {*guessed[phase.name], *(m.expression for m in phase.measured)} for phase in phases}
     ways = [passage for passage in passages(spec) if goes_on_in_time(spec, passage)]
-    framed, between = shared_names(spec), conditioned(links)
+    framed, between = shared_names(spec), conditioned(links, phases[0].guess.parameters)
     asked = {
-        phase.name: asked_ends(symbols[phase.name], _of_phase(between, phase) | conditioned(phase.boundary))
+        phase.name: asked_ends(
+            symbols[phase.name], _of_phase(between, phase) | conditioned(phase.boundary, _known(phase))
+        )
         for phase in phases
     }
     for phase in phases:
@@ -64,6 +66,12 @@ def through_phases(
     whole = GuessSpan(first.guess.initial_time, last.guess.final_time, fixed)
     rows = rows_of(spec.guess, next(iter(symbols.values())).number, whole)
     return [_with_part(phase, rows, whole, guessed[phase.name]) for phase in by_name.values()]
+
+
+def _known(phase: Phase) -> dict[str, float]:
+    """What conditions on the ends of a phase may ask for besides the value that they are about (see `conditioned`)."""
+    times = {"t[initial]": phase.guess.initial_time, "t[final]": phase.guess.final_time}
+    return {**phase.guess.parameters, **known_ends(phase.states), **times}
 
 
 def shared_names(spec: Spec) -> frozenset[str]:

@@ -189,6 +189,7 @@ def test_the_state_that_runs_away_is_told_with_its_own_value():
     [
         '{expression: "q[final]", equals: 3}', '{expression: "2*q[final] - k", equals: 4}',
         '{expression: "1 - q[final]", lower: -3, upper: -1}', '"q[final] = 3"',
+        '"q[final] - q[initial] = 3"', '"q[final] = 1.5*t[final]"',
     ],
 )  # fmt: skip
 def test_a_condition_on_one_end_is_where_the_line_ends(condition):
@@ -204,6 +205,31 @@ def test_other_conditions_say_nothing_of_the_line(condition):
     text = PROBLEM.replace("guess: GUESS", f'constraints: {{boundary: [{{expression: "{condition}}}]}}')
     (phase,) = phases("", text)
     assert samples(phase, 2.0)["q"] == pytest.approx([0])
+
+
+THROW = """\
+trajopt: 1
+parameters: {g: 9.81, drag: 0.005, speed: 30}
+optimize: {angle: {lower: 0, upper: 1.57, guess: 0.5}}
+time: {initial: 0, final: {lower: 0.1, upper: 20, guess: 3}}
+states:
+  x: {rate: vx, initial: 0}
+  y: {rate: vy, initial: 1.5, final: 0}
+  vx: {rate: -drag*sqrt(vx**2 + vy**2)*vx}
+  vy: {rate: -g - drag*sqrt(vx**2 + vy**2)*vy}
+constraints: {boundary: ["vx[initial] = speed*cos(angle)", "vy[initial] = speed*sin(angle)"]}
+objective: {maximize: {terminal: "x[final]"}}
+"""
+
+
+def test_conditions_with_parameters_to_optimise():
+    """At rest, where the guess was, the norm of the velocity has no slope."""
+    spec = load_text(THROW, "throw.yaml")
+    problem = build(spec)
+    values = problem.phases[0].guess.values
+    assert [values["vx"][0], values["vy"][0]] == pytest.approx([30 * np.cos(0.5), 30 * np.sin(0.5)])
+    found = solve(problem, schedule_of(spec))
+    assert found.solved and found.objective == pytest.approx(70.0216338, abs=1e-3)
 
 
 GAIT = """\
