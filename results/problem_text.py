@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -40,7 +41,7 @@ def problem_text(source: Path) -> str:
     """
     result, overrides = read(source), as_text(summarize(source)["overrides"])
     if files_of(result.text):
-        data, why = dict(result.spec), "with its data, and with every default"
+        data, why = _given(result.spec), "with its data, and with every default"
     elif overrides:
         data, _ = override(read_document(result.text, str(source)), overrides)
         why = f"with {', '.join(overrides)}"
@@ -48,3 +49,10 @@ def problem_text(source: Path) -> str:
         return result.text if result.text.endswith("\n") else f"{result.text}\n"
     head = "".join(f"# {line}\n" for line in [f"{result.problem}, as it was solved", why])
     return head + yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=WIDTH)
+
+
+def _given(spec: Any) -> Any:
+    """A stored spec without the keys that have no value; in lists, as of measurements, null stays."""
+    if isinstance(spec, dict):
+        return {key: _given(value) for key, value in spec.items() if value is not None}
+    return [_given(value) for value in spec] if isinstance(spec, list) else spec

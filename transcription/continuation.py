@@ -148,8 +148,9 @@ def _meant(path: str, data: Mapping[str, Any]) -> str:
     known = list(_numbers(data))
     close = [own for own in known if f".{path}." in f".{own}."]
     if not close:
-        example = next((own for own in known if own.startswith("parameters.")), "parameters.g")
-        return did_you_mean(path, known, f"name a number, such as {example}")
+        example = next((own for own in known if own.startswith("parameters.")), known[0] if known else "")
+        other = f"name a number, such as {example}" if example else "make one a parameter, parameters: {g: 9.81}"
+        return did_you_mean(path, known, other)
     return f"write {close[0]}" if len(close) == 1 else f"name one number: {shorten(', '.join(close), 120)}"
 
 

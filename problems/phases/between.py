@@ -14,7 +14,7 @@ from ..expressions.tree import Link, Name, Node, OperatorChain
 from ..language.walk import mapped
 from ..names import lookups
 from ..names.roles import TABLE
-from ..names.symbols import Symbols, no_value, range_of
+from ..names.symbols import UNKNOWN, Symbols, no_value, range_of
 from ..names.troubles import INTEGRAL
 from ..quantities import Range
 from ..schema.fields import Bounded
@@ -53,6 +53,8 @@ class Between:
         expression: of values at the ends of phases.
         constant: whether it must be known before the solution is, as a bound.
         """
+        if _is_mistaken(expression):
+            return
         troubles = {}
         for name in expression.leaves:
             if (trouble := self._trouble(name, constant)) is not None:
@@ -65,7 +67,7 @@ class Between:
 
     def unsound(self, constant: Expression) -> bool:
         """Whether an expression that should be a constant has mistakes."""
-        return any(self.findings((), constant, constant=True))
+        return _is_mistaken(constant) or any(self.findings((), constant, constant=True))
 
     def range(self, entry: Bounded, path: Path = ()) -> Range:
         """The range of the bounds of a link, or of a boundary constraint of the top level, at a path of the file."""
@@ -143,3 +145,8 @@ def _has_one_value(name: Name) -> tuple[str, str]:
 
 def _prefixed(root: Node, phase: str, static: frozenset[str]) -> Node:
     return mapped(root, lambda name: name if name.name in static else replace(name, name=f"{phase}.{name.name}"))
+
+
+def _is_mistaken(expression: Expression) -> bool:
+    """Whether it stands for one with a mistake, which is told already."""
+    return any(name.name == UNKNOWN.text for name in expression.leaves)

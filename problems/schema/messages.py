@@ -69,6 +69,8 @@ OF_THE_FILE = {"units": "off", "links": "[{from: boost, to: coast, except: [m]}]
 """Of the keys that mean something else at the top level of a file."""
 
 
+LENGTH_IN_PHASE = 3  # of the path of a key of a phase, phases.boost.mesh
+
 _STRUCTURES = {"model_type": "a mapping", "dict_type": "a mapping", "list_type": "a list"}
 """What pydantic calls the wrong type of what has something below it -> what it should be."""
 
@@ -136,6 +138,8 @@ def _as_list(path: Path, value: object, written: str) -> str:
 
 def _other_key(path: Path) -> str:
     keys = _keys(path[:-1])
+    if path[0] == "phases" and len(path) == LENGTH_IN_PHASE and path[-1] in _keys(()):
+        return f"put {path[-1]}: at the top level, beside phases: it is of the whole problem"
     return did_you_mean(path[-1], keys, "the keys here are " + ", ".join(keys))
 
 

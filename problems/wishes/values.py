@@ -167,6 +167,10 @@ def _entry(path: Path, given: Any) -> Words | None:
             points, values = zip(*given, strict=True)
             line = f"{name}: {{points: {{x: {flow(list(points))}}}, {entry('values', list(values))}}}"
             return "a table has points and values", f"write {line}, with the name of its argument for x"
+        case ("objective", sense, "integral" | "terminal" as term) if isinstance(given, dict) and given:
+            phase, value = next(iter(given.items()))
+            line = entry("objective", {sense: {term: value}})
+            return "the terms of a phase stand in it", f"under phases.{phase} write {line}"
         case ("continuation", name) if isinstance(given, int | float) and not isinstance(given, bool):
             return "the values on the way are a list", f"write {name}: [{given}]"
     return None

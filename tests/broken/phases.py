@@ -53,7 +53,24 @@ PHASES = [
         "leave this phase out, with what it says under links:",
     ),
     edit("a misspelt key of a phase", "    mesh: [", "    mehs: [", "phases.second.mehs", "did you mean mesh?"),
-    edit("a key of the file in a phase", "    mesh: [", "    solver: [", "phases.second.solver", "the keys here are"),
+    edit("a key of the file in a phase", "    mesh: [", "    solver: [", "phases.second.solver", "put solver: at the"),
+    edit(
+        "scaling in a phase",
+        "    mesh: [",
+        "    scaling: auto\n    mesh: [",
+        "phases.second.scaling",
+        "the whole problem",
+    ),
+    edit(
+        "optimize in a phase",
+        "    mesh: [",
+        "    optimize: {k: {}}\n    mesh: [",
+        "phases.second.optimize",
+        "the whole",
+    ),
+    edit(
+        "tables in a phase", "    mesh: [", "    tables: {}\n    mesh: [", "phases.second.tables", "the whole problem"
+    ),
     edit("a method of a phase", "method: radau", "method: radua", "phases.second.mesh.0.method", "did you mean radau?"),
     edit(
         "a degree of a phase", "segments: 8}", "segments: 8, degree: 99}", "phases.second.mesh.0.degree", "from 1 to 60"

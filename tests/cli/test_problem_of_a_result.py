@@ -48,7 +48,30 @@ def test_data_of_a_csv_file_are_in_it(tmp_path):
     result = solved_once(tmp_path / "csv.h5", tmp_path / "csv.yaml")
     (tmp_path / "away").mkdir()
     exported(result, tmp_path / "away" / "out.yaml")  # where there is no wind.csv
-    assert door.solve(door.load(tmp_path / "away" / "out.yaml")).solved
+    again = door.load(tmp_path / "away" / "out.yaml")
+    assert door.solve(again).solved and not again.spec.warnings
+
+
+MEASURED = """\
+trajopt: 1
+time: {initial: 0, final: 2}
+states: {x: {rate: -k*x, initial: 1, lower: -1}, y: {rate: x}}
+optimize: {k: {guess: 0.5}}
+measurements: {run: {file: run.csv}}
+"""
+
+
+def test_what_is_written_anew_says_the_same_and_is_checked_without_a_word(tmp_path):
+    (tmp_path / "run.csv").write_text("time,x,y\n1,0.6,\n2,0.4,0.7\n")
+    (tmp_path / "measured.yaml").write_text(MEASURED)
+    result = solved_once(tmp_path / "measured.h5", tmp_path / "measured.yaml")
+    text = exported(result, tmp_path / "out.yaml")
+    run = trajopt("check", tmp_path / "out.yaml")
+    assert run.exit_code == 0 and "warning" not in run.output, run.output
+    first, again = (door.load(path).spec.model_dump() for path in (tmp_path / "measured.yaml", tmp_path / "out.yaml"))
+    for own in (first, again):
+        own["measurements"] = {}
+    assert first == again and "- null" in text  # what was not measured
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,20 @@ objective: {minimize: {integral: u**2}}
     assert remedy in mistake.remedy and f"{path} is no number" in mistake.what
 
 
+def test_a_file_without_parameters_is_told_a_number_that_it_has():
+    text = """\
+trajopt: 1
+time: {initial: 0, final: 1}
+states: {x: {rate: u, initial: 0, final: 1}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+continuation: {parameters.g: [1]}
+"""
+    with pytest.raises(SpecError) as error:
+        build_checked([load_yaml(text)])
+    assert error.value.mistakes[0].remedy == "name a number, such as time.initial"
+
+
 def test_names_that_only_look_like_keys():
     """A parameter whose name is that of a key; a state whose name begins like one."""
     text = SWING.replace("far: 3.14159}", "far: 3.14159, relax: 1}").replace("u - g*sin(q)", "u - relax*g*sin(q)")

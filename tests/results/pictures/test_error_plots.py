@@ -11,15 +11,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from trajopt.results.file.read import read
 from trajopt.results.pictures import error_plots, mesh_plots
 
-from .pictured import solved_in, titles
+from .pictured import titles
 
 pytestmark = pytest.mark.usefixtures("folder")
-
-
-@pytest.fixture(scope="module")
-def solved(tmp_path_factory):
-    """name -> a result file, each solved once."""
-    return solved_in(tmp_path_factory.mktemp("results"))
 
 
 def test_error_picture_has_epsilon_on_the_left_and_eta_on_the_right(solved):

@@ -27,15 +27,9 @@ from trajopt.results.pictures.style import DPI, Numbers, drawn_by_us
 from trajopt.transcription.settings import steps
 from trajopt.transcription.solve import solve
 
-from .pictured import solved_in, titles
+from .pictured import titles
 
 pytestmark = pytest.mark.usefixtures("folder")
-
-
-@pytest.fixture(scope="module")
-def solved(tmp_path_factory):
-    """name -> a result file, each solved once."""
-    return solved_in(tmp_path_factory.mktemp("results"))
 
 
 def labels(ax):

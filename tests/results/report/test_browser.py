@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from .pages import page_of, solved_in, swept_in
+from .pages import page_of
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
@@ -103,15 +103,15 @@ def browser(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory):
+def pages(tmp_path_factory, solved, request):
     """name -> its page, each written once."""
     place = tmp_path_factory.mktemp("pages")
-    solved = solved_in(place)
 
     def page(name):
         target = place / f"{name}.html"
         if not target.exists():
-            page_of(swept_in(place) if name == "swept" else solved(name), target, "--no-verify")
+            source = request.getfixturevalue("swept") if name == "swept" else solved(name)
+            page_of(source, target, "--no-verify")
         return target
 
     return page

@@ -11,7 +11,7 @@ from command_line import trajopt
 
 from trajopt.results.report.page import visible
 
-from .pages import data_of, page_of, solved_in, swept_in
+from .pages import data_of, page_of
 
 SECTIONS = ["problem", "trajectory", "sensitivity", "motion", "accuracy", "solver", "verification", "again"]
 VOID = {"meta", "img", "input", "br", "path"}
@@ -40,21 +40,6 @@ class Page(HTMLParser):
 
     def handle_data(self, data):
         self.texts.append(data)
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    return tmp_path_factory.mktemp("pages")
-
-
-@pytest.fixture(scope="module")
-def solved(place):
-    return solved_in(place)
-
-
-@pytest.fixture(scope="module")
-def swept(place):
-    return swept_in(place)
 
 
 def test_a_page_tells_all_of_a_result(solved, folder):
