@@ -78,7 +78,7 @@ def _part(expression: Evaluated, scopes: list[Evaluated]) -> Part:
     return Part(Same(expression.root), frozenset(expression.constants), steps, frozenset(expression.static), scope)
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=256)
 def _kept(parts: tuple[Part, ...]) -> _Making:
     return _Making(parts, ())
 
@@ -102,6 +102,7 @@ class _Making:
             self.add(part)
             before = part
         self.operations, self.cells = _in_few_cells(self)
+        del self.places, self.numbers, self.scope, self.steps  # a tape needs none of them, and is kept
 
     def add(self, part: Part) -> None:
         for name in sorted(part.constants - self.scope.keys()):

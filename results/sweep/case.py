@@ -58,16 +58,21 @@ class Left:
         earlier: the one that this one was started from.
         share: the step to the next case, as a part of that from the earlier to this one.
 
-        This one itself, where the two do not have the same points.
+        This one itself, where the two are not of the same points and names.
         """
         pairs = [(own, earlier.curves.get(name)) for name, own in self.curves.items()]
-        alike = all(before is not None and np.array_equal(own.s, before.s) for own, before in pairs)
-        if not alike or self.near is None or earlier.near is None:
+        if self.near is None or earlier.near is None or not self.near.is_like(earlier.near):
+            return self
+        if any(before is None or _named(own) != _named(before) for own, before in pairs):
             return self
         curves = {name: _ahead(own, earlier.curves[name], share) for name, own in self.curves.items()}
         if any(own.final_time <= own.initial_time for own in curves.values()):
             return self
         return Left(curves, self.near.ahead(earlier.near, share))
+
+
+def _named(curves: Guess) -> tuple[list[str], list[str]]:
+    return list(curves.values), list(curves.parameters)
 
 
 def _ahead(own: Guess, earlier: Guess, share: float) -> Guess:
@@ -86,7 +91,8 @@ class Task:
 
     number: of the case. values: path -> value, as YAML, of what is swept. text, file: the problem file. overrides:
     those of the command line, for every case. origin: the case to start from and what it leaves; None for the guess of
-    the file. chain: whether others may start from it. full: whether the image of the result file is wanted. command:
+    the file. line: what the case before that one left, and the step to this one, see `Left.ahead`; None where they are
+    on no line. chain: whether others may start from it. full: whether the image of the result file is wanted. command:
     that it tells.
     """
 
@@ -96,6 +102,7 @@ class Task:
     file: str
     overrides: tuple[str, ...]
     origin: tuple[int, Left] | None = None
+    line: tuple[Left, float] | None = None
     chain: bool = False
     full: bool = False
     command: str = ""
@@ -173,6 +180,7 @@ def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, s
     """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
     if task.origin:
         neighbour, left = task.origin
+        left = left.ahead(*task.line) if task.line else left
         phases, curves = problems[0].phases, left.curves
         guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
         solution = solve_spec(spec, problems, guess=guess, near=left.near, stop=_stop)

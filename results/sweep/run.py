@@ -106,27 +106,35 @@ class _Loop:
             self.running[self.engine.submit(self._task(number))] = number
 
     def _task(self, number: int) -> Task:
-        job, values = self.job, self.plan.values(number)
-        origin = self._origin(number)
-        return Task(number, values, job.text, job.file, job.overrides, origin, job.chain, job.full, job.command)
+        job, origin = self.job, self._origin(number)
+        return Task(
+            number,
+            self.plan.values(number),
+            job.text,
+            job.file,
+            job.overrides,
+            origin,
+            self._line(number, origin[0]) if origin else None,
+            job.chain,
+            job.full,
+            job.command,
+        )
 
     def _origin(self, number: int) -> tuple[int, Left] | None:
-        """The nearest case on the way back along the chain that is solved, with what it leaves; for the next case, with
-        what it and the one before foretell."""
-        near = before = self.plan.before(number) if self.job.chain else None
+        """The nearest case on the way back along the chain that is solved, with what it leaves."""
+        before = self.plan.before(number) if self.job.chain else None
         while before is not None:
             if left := self.store.left(before):
-                return before, self._foretold(number, before, left) if before == near else left
+                return before, left
             before = self.plan.before(before)
         return None
 
-    def _foretold(self, number: int, before: int, left: Left) -> Left:
+    def _line(self, number: int, before: int) -> tuple[Left, float] | None:
+        """What the case before the one that a case starts from has left, and the step to it, if they are on a line."""
         earlier = self.plan.before(before)
         share = None if earlier is None else self.plan.share(earlier, before, number)
-        if earlier is None or share is None:
-            return left
-        known = self.store.left(earlier)
-        return left.ahead(known, share) if known else left
+        left = None if earlier is None or share is None else self.store.left(earlier)
+        return (left, share) if left and share else None
 
     def answers(self, stop: Callable[[], bool]) -> list[Mapping[str, Any]]:
         """The records of the cases that have ended by now, which are kept. Workers go on with others while these are

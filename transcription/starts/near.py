@@ -58,10 +58,16 @@ class Near:
         alike = len(here) == len(self.points) and all(map(np.array_equal, here, self.points))
         return alike and sizes == (nlp.m, nlp.n, nlp.n)
 
+    def is_like(self, other: Near) -> bool:
+        """Whether another one is of the same points, and has as many multipliers."""
+        sizes = [[len(own) for own in (near.start.y, near.start.z_lower, near.start.z_upper)] for near in (self, other)]
+        alike = len(self.points) == len(other.points) and all(map(np.array_equal, self.points, other.points))
+        return alike and sizes[0] == sizes[1]
+
     def ahead(self, earlier: Near, share: float) -> Near:
         """What the next neighbour may leave: it lies a step on, as long as that from an earlier one, times `share`.
 
-        earlier: of the same points.
+        earlier: one that `is_like` this.
         share: above 0.
         """
         names = ("y", "z_lower", "z_upper")

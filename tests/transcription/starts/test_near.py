@@ -228,9 +228,12 @@ def test_two_neighbours_foretell_the_next_to_the_second_order(path, values):
 
 def test_what_has_other_points_or_no_multipliers_foretells_nothing():
     first, second = along("parameters.u_max", ["12", "12.1"])
-    own = first.curves["main"]
-    fewer = replace(own, s=own.s[::2], values={name: curve[::2] for name, curve in own.values.items()})
-    for other in (replace(first, curves={"main": fewer}), replace(first, curves={})):
+    own, near = first.curves["main"], first.near
+    unnamed = replace(own, values={"q": own.values["q"]})
+    fewer = replace(near, points=tuple(points[::2] for points in near.points))
+    shorter = replace(near, start=replace(near.start, y=near.start.y[1:]))
+    others = [replace(first, curves=curves) for curves in ({"main": unnamed}, {})]
+    for other in (*others, *(replace(first, near=own) for own in (fewer, shorter))):
         assert second.ahead(other, 1.0) is second
     assert second.ahead(replace(first, near=None), 1.0) is second
 
