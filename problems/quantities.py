@@ -99,6 +99,11 @@ class State(Variable):
     final: Range = Range()
     velocity_of: str = ""
 
+    @property
+    def own_ends(self) -> tuple[bool, bool]:
+        """Whether the initial and the final value have a range of their own, and not just that of every time."""
+        return self.initial not in (Range(), self.bounds), self.final not in (Range(), self.bounds)
+
 
 @dataclass(frozen=True)
 class Delayed(Variable):

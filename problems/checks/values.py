@@ -260,7 +260,8 @@ class _Checker:
         """A residual, and a constraint over time or at the ends, depend on something that is not a constant."""
         for path, constraint in constraints(self.spec):
             if path[1] != "integral" and not self.symbols.function(constraint.expression).names:
-                what = "the constraint is on a constant"
+                named = f" {constraint.name}" if constraint.name else ""
+                what = f"the constraint{named} is on a constant"
                 self.error((*path, "expression"), what, "let it depend on t, a state or a control, or remove it")
         for i, residual in enumerate(self.spec.residuals):
             if not self.symbols.function(residual.expression).names:

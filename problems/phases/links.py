@@ -9,14 +9,11 @@ from ..expressions.expression import Expression
 from ..expressions.tree import Link, Name, OperatorChain
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
-from ..problem import Phase
+from ..problem import DURATION, Phase
 from ..quantities import Constraint, Continuity, EndConstraint, Function, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, own_entries, passages
-
-DURATION = "duration"
-"""Name of the constraint that a phase does not end before it begins."""
 
 ZERO = Range(0.0, 0.0)
 

@@ -12,9 +12,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from ...problems.lean.records import dataclass
-from ...problems.phases.links import DURATION
 from ...problems.probe import names_asked
-from ...problems.problem import Phase
+from ...problems.problem import DURATION, Phase
 from ...problems.quantities import Range
 from ...transcription.constraint_kinds import ENDS, LINK
 from ..file.reload import Reloaded

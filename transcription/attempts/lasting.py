@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...problems.phases.links import DURATION
-from ...problems.problem import Curves, Phase, Problem
+from ...problems.problem import DURATION, Curves, Phase, Problem
 from ...problems.quantities import Range
 from ..engines.watch import Limit
 from ..one_mesh import Found

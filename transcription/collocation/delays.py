@@ -32,7 +32,7 @@ from ..program.templates import item
 from ..schemes.mesh import Mesh
 from ..schemes.scheme import Scheme, collocation_scheme
 from .builder import PhaseBuilder
-from .moving import ALIGNED, add_moving, add_rows, data_of_rows, expansion, shares_of
+from .moving import ALIGNED, add_moving, add_rows, data_of_rows, expansion, place_on, shares_of
 
 
 def interpolation(scheme: Scheme, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -75,10 +75,7 @@ def delay_rows(mesh: Mesh, lag: float) -> tuple[np.ndarray, DelayRows]:
     earlier, (before, after) = mesh.fractions[points] - lag, shares_of(mesh)[:, points]
     past = earlier < np.where(after > 0, -ALIGNED, ALIGNED)
     point, s, before, after = (own[~past] for own in (points, np.maximum(earlier, 0.0), before, after))
-    nearest = np.rint(np.interp(s, mesh.edges, np.arange(len(mesh.edges)))).astype(int)
-    knot = np.where(np.abs(s - mesh.edges[nearest]) < ALIGNED, nearest, -1)
-    segment = np.searchsorted(mesh.edges, s, side="right") - 1
-    segment = np.clip(np.where(knot >= 0, np.where(after > 0, knot, knot - 1), segment), 0, mesh.segments - 1)
+    segment, s, knot = place_on(mesh, s, after, ALIGNED)
     theta = np.clip((s - mesh.edges[segment]) / mesh.widths[segment], 0.0, 1.0)
     theta = np.where(knot >= 0, np.where(after > 0, 0.0, 1.0), theta)
     width = max(len(scheme.sigma) for scheme in mesh.schemes)

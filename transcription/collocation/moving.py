@@ -75,6 +75,21 @@ def shares_of(mesh: Mesh) -> np.ndarray:
     return shares
 
 
+def place_on(mesh: Mesh, s: np.ndarray, after: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The segment of each s, the s themselves, those near to a knot moved there, and the number of that knot or -1.
+
+    mesh: that is read.
+    s: (Q,) fractions of its duration.
+    after: (Q,) what of the point that reads lies after it: one with none reads the segment before the knot.
+    near: to a knot, of the duration.
+    """
+    nearest = np.rint(np.interp(s, mesh.edges, np.arange(len(mesh.edges)))).astype(int)
+    there = np.abs(s - mesh.edges[nearest]) < near
+    inside = np.searchsorted(mesh.edges, s, side="right") - 1
+    segment = np.clip(np.where(there, nearest - (after <= 0), inside), 0, mesh.segments - 1)
+    return segment, np.where(there, mesh.edges[nearest], s), np.where(there, nearest, -1)
+
+
 @dataclass(frozen=True, eq=False)
 class Reads:
     """Where points of a phase read a state: points (Q,), on segment (Q,) of the source, at s (Q,) of its duration."""
@@ -108,11 +123,7 @@ def _places(source: PhaseBuilder, points: np.ndarray, t: np.ndarray, after: np.n
     duration = source.block.tF.value - start
     s = (t - start) / duration if duration > 0 else np.full(len(t), -1.0)
     here = s >= np.where(after > 0, -NEAR, NEAR)
-    s, after = np.maximum(s[here], 0.0), after[here]
-    nearest = np.rint(np.interp(s, mesh.edges, np.arange(len(mesh.edges)))).astype(int)
-    s = np.where(np.abs(s - mesh.edges[nearest]) < NEAR, mesh.edges[nearest], s)
-    sides = (np.searchsorted(mesh.edges, s, side=side) - 1 for side in ("right", "left"))
-    segment = np.clip(np.where(after > 0, *sides), 0, mesh.segments - 1)
+    segment, s, _ = place_on(mesh, np.maximum(s[here], 0.0), after[here], NEAR)
     return Reads(source, points[here], segment, s), points[~here]
 
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...problems.quantities import State
 from ..constraint_kinds import ConstraintKind
 from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription
@@ -49,8 +50,9 @@ def _ends(layout: Layout, outcome: Outcome, limit: float) -> Iterator[str]:
     """Values of states at the ends, and times."""
     phase, whose = layout.phase, of_phase(layout.phase.name)
     for state, places in zip(phase.states, layout.x, strict=True):
-        for end, force in zip(("initial", "final"), _force(outcome, places[[0, -1]]).max(axis=0), strict=True):
-            if force > limit:
+        forces = _force(outcome, places[[0, -1]]).max(axis=0)
+        for end, own, force in zip(("initial", "final"), state.own_ends, forces, strict=True):
+            if own and force > limit:
                 yield f"the {end} value of {state.name}{whose}"
     for end, sides in zip(("initial", "final"), _force(outcome, layout.t).T, strict=True):
         for side, force in zip(("lower", "upper"), sides, strict=True):
@@ -92,8 +94,8 @@ def _bounds(layout: Layout, outcome: Outcome, phases: Mapping[str, Trajectory], 
     phase, mesh = layout.phase, layout.mesh
     for variable, places in zip((*phase.states, *phase.inputs), (*layout.x, *layout.u), strict=True):
         sides = _force(outcome, places)
-        if variable in phase.states:
-            sides[:, [0, -1]] = 0.0
+        if isinstance(variable, State):
+            sides[:, [0, -1]] *= ~np.array(variable.own_ends)
         for side, force in zip(("lower", "upper"), sides, strict=True):
             s = mesh.fractions[force / np.where(mesh.weights > 0, mesh.weights, np.inf) > limit]
             if len(s):

@@ -9,7 +9,7 @@ from math import isfinite
 import numpy as np
 
 from ...problems.problem import Phase, Problem
-from ...problems.quantities import Range, Variable
+from ...problems.quantities import Range, State, Variable
 from ..constraint_kinds import BOUND, ConstraintKind, Multiplier
 from ..layout import Family, Layout, Transcription
 from ..program.contract import NonlinearProgram
@@ -39,7 +39,7 @@ def soft_constraints(problem: Problem, transcription: Transcription, nlp: Nonlin
                 for own in bounded.get((phase.name, variable.name), ())
                 for row, start in zip(own.rows(nlp), own.span[:, 0], strict=True)
             ]
-            yield from _bounds(variable, layout, places, rows, variable in phase.states)
+            yield from _bounds(variable, layout, places, rows)
     for parameter, place in zip(problem.parameters, transcription.parameters.tolist(), strict=True):
         if parameter.bounds != Range():
             yield _once("", f"the bounds of {parameter.name}", parameter, np.array([place]), parameter.bounds)
@@ -49,8 +49,9 @@ def soft_constraints(problem: Problem, transcription: Transcription, nlp: Nonlin
 def _ends(phase: Phase, layout: Layout) -> Iterator[Soft]:
     whose = of_phase(phase.name)
     for state, places in zip(phase.states, layout.x, strict=True):
-        for end, place, bounds in (("initial", places[0], state.initial), ("final", places[-1], state.final)):
-            if bounds != Range() and place >= 0:
+        ends = ("initial", places[0], state.initial), ("final", places[-1], state.final)
+        for (end, place, bounds), own in zip(ends, state.own_ends, strict=True):
+            if own and place >= 0:
                 yield _once(phase.name, f"the {end} value of {state.name}{whose}", state, np.array([place]), bounds)
     time = Variable("t", phase.time_unit, Range())
     if layout.t[1] >= 0 and phase.final_time != Range():
@@ -63,13 +64,11 @@ def _once(phase: str, what: str, variable: Variable, places: np.ndarray, bounds:
     return Soft(phase, what, variable.unit, of_unknowns, False, places, np.zeros(1), bounds.lower, bounds.upper, size)
 
 
-def _bounds(
-    variable: Variable, layout: Layout, places: np.ndarray, rows: list[tuple[int, float]], state: bool
-) -> Iterator[Soft]:
+def _bounds(variable: Variable, layout: Layout, places: np.ndarray, rows: list[tuple[int, float]]) -> Iterator[Soft]:
     """Of unknowns, and of rows (number, normalised time) where the state is none."""
     phase, inside = layout.phase.name, places.copy()
-    if state:
-        inside[[0, -1]] = -1  # values at the ends have a name of their own
+    if isinstance(variable, State):
+        inside[[0, -1]] = np.where(variable.own_ends, -1, inside[[0, -1]])  # these have a name of their own
     at = np.flatnonzero(inside >= 0)
     if variable.bounds == Range() or not (len(at) or rows):
         return

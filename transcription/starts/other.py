@@ -183,7 +183,7 @@ def _course(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray) -> np.nd
     """
     x, finer = (_stepped(rates, t, x0, u, steps) for steps in (1, 2))
     size = SAME * (np.abs(finer).max(axis=1) + np.abs(x0))
-    return finer if (np.abs(x - finer).max(axis=1) <= size).all() else _integrated(rates, t, x0, u)
+    return x if (np.abs(x - finer).max(axis=1) <= size).all() else _integrated(rates, t, x0, u)
 
 
 def _stepped(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray, steps: int) -> np.ndarray:

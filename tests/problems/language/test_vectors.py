@@ -267,3 +267,26 @@ def test_the_schema_for_editors_knows_vectors():
 def test_a_shipped_vector_problem():
     solution = trajopt.solve(trajopt.load("symmetric_reorientation"))
     assert solution.solved and solution.objective == pytest.approx(3.243083279, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "expression", "component"),
+    [
+        ("path", "cross([r[1], r[2], 0], [0, 0, 1])", "side 3"),
+        ("path", "[0, r[1], r[2]]", "side 1"),
+        ("boundary", "[r[1][final], 2]", "side 2"),
+    ],
+)
+def test_a_component_that_is_constant_is_named(kind, expression, component):
+    text = f"""\
+trajopt: 1
+states: {{r: {{size: 2, rate: u, initial: 0}}}}
+controls: {{u: {{size: 2}}}}
+time: {{initial: 0, final: 1}}
+constraints: {{{kind}: [{{name: side, expression: "{expression}", upper: 2}}]}}
+objective: {{minimize: {{integral: "dot(u, u)"}}}}
+"""
+    with pytest.raises(SpecError) as error:
+        load_text(text, "x.yaml")
+    (mistake,) = error.value.mistakes
+    assert mistake.what == f"the constraint {component} is on a constant"
