@@ -28,8 +28,10 @@ def conditioned(constraints: Iterable[Constraint], known: Mapping[str, float]) -
     found: dict[str, Range] = {}
     for own in constraints:
         asked = names_asked(own.function) - known.keys()
-        if len(asked) == 1 and (range_ := _of_value(own.function, own.bounds, *asked, known)):
-            name = asked.pop()
+        if len(asked) != 1:
+            continue
+        (name,) = asked
+        if range_ := _of_value(own.function, own.bounds, name, known):
             found[name] = found.get(name, Range()).intersection(range_)
     return {name: own for name, own in found.items() if own.lower <= own.upper}
 
