@@ -7,6 +7,8 @@ from dataclasses import field, replace
 from functools import cached_property
 from time import perf_counter
 
+import numpy as np
+
 from ...problems.lean.records import dataclass
 from ...problems.problem import Problem
 from ...problems.text import short_repr
@@ -200,6 +202,16 @@ def with_error_bar(solution: Solution, bar: float) -> Solution:
     last = replace(solution.meshes[-1], objective_error=bar)
     error = replace(solution.objective_error, bar=bar)
     return replace(solution, objective_error=error, meshes=(*solution.meshes[:-1], last))
+
+
+def without_error_bar(solution: Solution, why_not: str) -> Solution:
+    """A solution that says why its objective has no error bar.
+
+    solution: any.
+    why_not: as of `ObjectiveError`.
+    """
+    last = replace(solution.meshes[-1], objective_error=np.nan, objective_corrected=np.nan)
+    return replace(solution, objective_error=ObjectiveError(why_not=why_not), meshes=(*solution.meshes[:-1], last))
 
 
 def inaccurate(unmet: int, stopped: str, relative_error: float | None, relative_bar: float) -> str:

@@ -130,3 +130,25 @@ def test_a_solution_that_is_no_trajectory(folder):
     summary = solved(folder, TREATMENT)
     assert summary["solved"] and summary["objective"] == pytest.approx(29514.4477, abs=0.01)
     assert any("was no trajectory of the dynamics" in note for note in summary["notes"])
+
+
+WASHOUT = """
+trajopt: 1
+name: an enzyme without a bound on its substrate
+parameters: {V: 20, Km: 0.5}
+time: {initial: 0, final: 20}
+states:
+  s: {rate: u - V*s/(Km + s), initial: 50}
+  p: {rate: V*s/(Km + s) - 0.3*p, initial: 0}
+controls: {u: {lower: 0, upper: 5}}
+objective: {maximize: {integral: p - 0.1*u**2}}
+"""
+
+
+def test_no_error_bar_across_a_pole(folder):
+    """Past s = -Km the reaction makes substrate: 1104, where 394.3021 is the best with s >= 0."""
+    summary = solved(folder, WASHOUT)
+    assert summary["objective_error"] is None and summary["inaccurate"]
+    assert any("which changes its sign" in note for note in summary["notes"])
+    bounded = solved(folder, WASHOUT.replace("initial: 50", "initial: 50, lower: 0"))
+    assert not bounded["inaccurate"] and bounded["objective"] == pytest.approx(394.3021, abs=1e-3)
