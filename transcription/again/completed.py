@@ -22,7 +22,8 @@ def completed(solution: Solution, solved: Solved) -> Solution:
     """The solution with all that its program tells; sensitivities are worked out when they are asked for.
 
     Where it is not as accurate as was asked, a division by what changes its sign is told, and there is no error bar: an
-    integral across a pole has no value that more points would come nearer to. Inputs that grow without a bound are told.
+    integral across a pole has no value that more points would come nearer to. Inputs that have grown without a bound
+    are told, too.
     """
     own = (solved.transcription, solved.nlp, solved.outcome)
     pole = divided(solution.trajectories) if solution.solved and solution.inaccurate else ""

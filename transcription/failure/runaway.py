@@ -21,7 +21,6 @@ from ..engines.outcome import Outcome
 from ..layout import Transcription
 from ..solution.trajectory import Trajectory, trajectories
 from ..solution.violation import of_phase
-from .unlimited import told_of_shrinking
 
 LARGE = 1e10  # no unit makes an honest value as large
 LONGER = 1e5  # times than its guess: a free time that nothing has stopped
@@ -40,8 +39,6 @@ def runaway(transcription: Transcription, outcome: Outcome) -> str:
     outcome: of a failed solve, or one whose objective cannot be meant so.
     """
     found = list(trajectories(transcription, outcome.z))
-    if shrinking := told_of_shrinking(found):
-        return shrinking
     sizes = [item for own in found for item in _values(own)]
     size, text = max(sizes) if sizes else (0.0, "")
     if leap := next(filter(None, map(_leap, found)), f"{text}: {REMEDY}" if size > LARGE else ""):

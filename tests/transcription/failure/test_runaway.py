@@ -61,7 +61,9 @@ def test_a_division_by_what_changes_its_sign(initial, cost):
 
 INTEGRATOR = "x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}"
 SHRINKING = {
-    "a double integrator": problem(u="", states=INTEGRATOR, objective='terminal: "t[final]"', final="{lower: 0, guess: 2}"),
+    "a double integrator": problem(
+        u="", states=INTEGRATOR, objective='terminal: "t[final]"', final="{lower: 0, guess: 2}",
+    ),
     "a free start, and a bound on the other side": problem(
         u="lower: 0", states="h: {rate: w - 1, initial: 0, final: 30}, w: {rate: 2*u, initial: 0}",
         objective='terminal: "t[final] - t[initial]"', final="{guess: 40}", method="trapezoid",
@@ -85,7 +87,7 @@ def test_a_time_that_shrinks_while_nothing_limits_a_control(case):
 
 @pytest.mark.parametrize("price", [1e-9, 1e-14])
 def test_a_short_time_at_a_small_price_is_none_that_shrinks(price):
-    """t + p * integral of u^2 is least at T^4 = 36 p, where u is 6/T^2 at the ends: up to 1e7 in a thousandth of the guess."""
+    """t + p * integral of u^2 is least at T^4 = 36 p, where u is 6/T^2 at the ends: 1e7 in a thousandth of the guess."""
     text = problem(
         u="", states=INTEGRATOR, objective=f'terminal: "t[final]", integral: {price}*u**2', final="{guess: 20}"
     )
