@@ -87,7 +87,7 @@ def test_a_time_that_shrinks_while_nothing_limits_a_control(case):
 
 @pytest.mark.parametrize("price", [1e-9, 1e-14])
 def test_a_short_time_at_a_small_price_is_none_that_shrinks(price):
-    """t + p * integral of u^2 is least at T^4 = 36 p, where u is 6/T^2 at the ends: 1e7 in a thousandth of the guess."""
+    """t + p * integral of u^2 is least at T^4 = 36 p, where u is 6/T^2 at the ends: up to 1e7."""
     text = problem(
         u="", states=INTEGRATOR, objective=f'terminal: "t[final]", integral: {price}*u**2', final="{guess: 20}"
     )
