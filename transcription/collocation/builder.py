@@ -97,8 +97,8 @@ class PhaseBuilder(ABC):
         self.at_ends = {k: own for k, end in ((0, "initial"), (self.last, "final")) if (own := self._needed(k, end))}
         block.end = Var([(name, k) for k, own in self.at_ends.items() for name in sorted(own.names)])
         for variable in phase.algebraic:
-            ends = [k for k in self.at_ends if (variable.name, k) in block.end]
-            self._fill(block.end, variable.name, ends, variable.bounds, curves[variable.name].tolist())
+            open_points = [k for k in self.at_ends if (variable.name, k) in block.end]
+            self._fill(block.end, variable.name, open_points, variable.bounds, curves[variable.name].tolist())
 
     def _needed(self, k: int, end: str) -> Determined | None:
         """What has to be determined at an end that is no collocation point."""
