@@ -56,6 +56,7 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
             "unit": worst.unit,
             "time": worst.time,
             "share": worst.share,
+            "lasts": worst.lasts,
         }
         tell(errors, {f"overshoot_{key}": value for key, value in told.items()})
 
