@@ -2,7 +2,8 @@
 
     python tests/benchmarks/default_refinement.py [NAME ...] [--limit SECONDS] [-o table.md]
 
-Every shipped problem with a reference optimum and a mesh to refine is solved twice from its own file, each in a process of its own: with
+Every shipped problem with a reference optimum and a mesh to refine is solved twice from its own file, each in a process
+of its own: with
 `--refine 1e-6` and with `--accuracy 1e-6`. The table has unknowns of the last mesh, CPU seconds of the whole process,
 the true error |J - reference| / (1 + |J|) and the error bar relative to 1 + |J|. A true error cannot be seen below the
 digits of the reference.
