@@ -19,6 +19,7 @@ from ..settings import Refine, Settings
 from ..solution.solution import MeshRecord, Solution, with_error_bar
 from ..transcribe import Planned, refused
 from .completed import completed
+from .corners import at_corners
 from .kept import Candidates, Kept
 from .next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, meets_first, next_solve
 from .same_mesh import SLOW, from_coarser, from_lower, sharpened, with_damping, with_short_turns
@@ -29,10 +30,17 @@ TOLD_TO_END = (Status.INTERRUPTED, Status.TIME_LIMIT)
 OF_GAIN = 2.0
 """What other controls may gain, as a multiple of what the Hamiltonian says: that is of first order."""
 
+WORTH_TELLING = 1e-5  # of 1 + |J|: less that other controls gain is in the error bar only
+
 UNMINIMISED = (
     "this solution is stationary, and no minimum; another guess of the controls may lead to a better one, or a control "
     "that switches ever faster (chattering), which no mesh holds"
 )
+
+OF_CORNERS = 0.01
+"""Of the error bar: what moving the jumps of controls has to gain."""
+
+MOVED = "controls jumped where the Hamiltonian is not the same before and after; such jumps were moved to where it is"
 
 DAMPING_SHARE = 0.1
 """Of the accuracy that is asked for, relative to 1 + |J|: what the damping of controls that chatter may be worth."""
@@ -53,7 +61,7 @@ class Loop:
     damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
     those of the last. sharp: the barrier has left little of the last already.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
-    stands in place of the problem's own.
+    stands in place of the problem's own. more: meshes before jumps were moved; then as many may come as at first.
     """
 
     def __init__(
@@ -74,7 +82,7 @@ class Loop:
         self.notes: tuple[str, ...] = ()
         self.discarded: tuple[MeshRecord, ...] = ()
         self.rough = self.weakest = False
-        self.lowered, self.most_lowered = 0, LOWERED
+        self.lowered, self.most_lowered, self.more = 0, LOWERED, 0
         self.sharp = False
         self.lower: Lower | None = None
 
@@ -140,6 +148,8 @@ class Loop:
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
         if not at_end and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
             return None
+        if at_end and (moved := self._at_corners(number, found)):
+            return moved
         self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
         if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
             return None
@@ -150,6 +160,21 @@ class Loop:
             self.notes += (f"{before}; from them a better one was found",)
             self.stopped, self.steps[number + 1 :] = "", ()
         return other
+
+    def _at_corners(self, number: int, found: Found) -> Found | None:
+        """The solution with jumps of controls where the Hamiltonian does not jump; None if that is no better."""
+        bar = found[0].objective_error
+        if not self.settings.refine or not bar.applies or self.lowered == self.most_lowered:
+            return None
+        moved = at_corners(self.steps[number], self._settings(number), found, OF_CORNERS * bar.bar, self._watch())
+        if moved:
+            self.lowered += 1
+            self.notes = tuple(dict.fromkeys((*self.notes, MOVED)))
+            self.more = number + 1 - self.scheduled
+            problem, _, tolerance = self.steps[number]
+            self.steps[number:] = [(problem, list(moved[0].meshes[-1].grids), tolerance)]
+            self.stopped = ""
+        return moved
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
@@ -220,7 +245,7 @@ class Loop:
         """Add the next mesh, if there is to be one, and say what is not good enough."""
         solution = found[0]
         merge = number + 1 - self.scheduled <= MERGING_MESHES
-        left = self.scheduled + refine.max_meshes - len(self.steps)
+        left = self.scheduled + self.more + refine.max_meshes - len(self.steps)
         exact = min(self.steps[self.scheduled - 1][2], asked_of_engine(refine))  # what is looser shows in the error
         goal = Goal(refine.objective, solution) if refine.objective else None
         self.unmet, more = next_solve(self.steps[number], solution, refine, exact, merge, left, goal)
@@ -256,8 +281,10 @@ class Loop:
         solution = completed(solution, solved)
         if not self.lower or not solution.objective_error.applies:
             return solution
-        told = f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}"
-        return self._widened(replace(solution, notes=(*solution.notes, told)), self.lower.gain)
+        if self.lower.gain > WORTH_TELLING * (1 + abs(solution.objective)):
+            told = f"another control has a lower Hamiltonian {self.lower.where}: {UNMINIMISED}"
+            solution = replace(solution, notes=(*solution.notes, told))
+        return self._widened(solution, self.lower.gain)
 
     def _widened(self, solution: Solution, gain: float) -> Solution:
         """The solution with what other controls may gain in its error bar, which then may miss the goal."""

@@ -17,8 +17,8 @@ from ..solution.violation import of_phase
 from ..starts.warm import Solved
 from .minimum import BestControls, least_hamiltonian
 
-LEAST = 1e-5
-"""Of 1 + |J|: with less to gain than that, controls are as good as any."""
+LEAST = 1e-9
+"""Of 1 + |J|: less to gain than that is rounding."""
 
 BEARING = 0.1  # of the largest excess: where another control is told of
 
