@@ -118,6 +118,7 @@ PHASE = Group({
             "overshoot_amount": Attribute(NUMBER, along="overshoot_share"),
             "overshoot_unit": Attribute(TEXT, along="overshoot_share"),
             "overshoot_time": Attribute(NUMBER, along="overshoot_share"),
+            "overshoot_lasts": Attribute(NUMBER, optional=True),  # results of older versions have none
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),

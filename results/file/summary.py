@@ -178,7 +178,7 @@ def _overshoot(file: h5py.File) -> dict[str, Any] | None:
     for name, phase in file["phase"].items():
         told = {k.removeprefix(prefix): v for k, v in phase["error"].attrs.items() if k.startswith(prefix)}
         if told:
-            found.append({"phase": name, **told})
+            found.append({"phase": name, "lasts": None, **told})
     return max(found, key=lambda own: own["share"], default=None)
 
 

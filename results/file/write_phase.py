@@ -80,6 +80,7 @@ def _write_trajectory(group: h5py.Group, trajectory: Trajectory, error: ErrorPro
             "unit": worst.unit,
             "time": worst.time,
             "share": worst.share,
+            "lasts": worst.lasts,
         }
         tell(errors, {f"overshoot_{key}": value for key, value in told.items()})
 
