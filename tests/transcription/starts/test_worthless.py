@@ -1,4 +1,4 @@
-"""A control that the Hamiltonian does not depend on all along a solution: it is stationary there by its symmetry only."""
+"""A control that the Hamiltonian does not depend on along a solution: it is stationary there by its symmetry only."""
 
 import pytest
 
