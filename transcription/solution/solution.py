@@ -163,8 +163,17 @@ class Solution:
 
     def out_of_time(self) -> Solution:
         """The solution of an interrupted solve, of which the time limit is told."""
-        meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=Status.TIME_LIMIT))
-        return replace(self, status=Status.TIME_LIMIT, meshes=meshes)
+        return self._ended(Status.TIME_LIMIT)
+
+    def contradictory(self, relief: tuple[str, ...]) -> Solution:
+        """The failed solution of a problem that contradicts itself; relief: as of the fields. More iterations do not
+        help where they ran out."""
+        told = self._ended(Status.INFEASIBLE) if relief and self.status is Status.MAX_ITERATIONS else self
+        return replace(told, relief=relief)
+
+    def _ended(self, status: Status) -> Solution:
+        meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=status))
+        return replace(self, status=status, meshes=meshes)
 
     @property
     def cause_is_known(self) -> bool:
