@@ -118,7 +118,7 @@ def test_one_that_holds_itself_is_told():
         ((), {"c": 3}),
         ((), {"b": 1, "c": 3}),
         ((1, 2), {"c": 3}),
-    ],  # fmt: skip
+    ],
 )
 def test_wrong_arguments_are_refused_as_by_the_library(values, named):
     for kind in own_and_library({}, frozen=True):
