@@ -14,7 +14,7 @@ from ..starts.drawn import chosen_parameters, other_parameters
 from ..starts.other import OtherStart, both_sides, other_starts, without_effect
 from ..starts.worthless import worthless
 from ..structure.several import may_have_several
-from ..transcribe import MORE_SEGMENTS, may_be_divided
+from ..transcribe import MORE_SEGMENTS, divided, may_be_divided
 from .attempt import Attempt, better
 from .lasting import run_lasting
 from .segments import ITERATIONS, of_the_mesh
@@ -69,7 +69,8 @@ def _on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | 
         solution, solved = attempt.run(other.guesses, limit, times=times, iterations=ITERATIONS)
         if solution.status.usable:
             told = f"the start of the file failed on {few} segments and on more ({failed[0].status.message})"
-            told += f"; this is the solution from another on {few * times}: {other.words}"
+            many = sum(mesh.segments for mesh in divided(problem, attempt.meshes, times))
+            told += f"; this is the solution from another on {many}: {other.words}"
             return replace(solution, notes=(*solution.notes, told)), solved
     return None
 
