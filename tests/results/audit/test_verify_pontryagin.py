@@ -232,7 +232,7 @@ refine: {tolerance: 1.0e-6}
 def test_the_slope_at_a_knot_of_an_arc_on_the_bound_of_a_state_is_none_of_its_multiplier(
     tmp_path, far, guess, drag, fast
 ):
-    """Segments on the arc are of all lengths: the costates of both sides of a knot differ by what the bound does there."""
+    """On segments of all lengths: the costates of both sides of a knot differ by what the bound does there."""
     text = CRUISE.replace("FAR", str(far)).replace("GUESS", str(guess)).replace("DRAG", drag).replace("FAST", str(fast))
     stored(tmp_path / "a.h5", load_text(HEAD + text, "a.yaml"))
     assert not failed(checked(tmp_path / "a.h5", anew=False))
