@@ -57,6 +57,8 @@ PATH = ConstraintKind(
     "path", "path constraint '{}'", "Path constraint {}", "path", Multiplier.DENSITY)
 PATH_END = ConstraintKind(  # of a path constraint at an end that is no collocation point
     "path end", "path constraint '{}'", "Path constraint {}", "", Multiplier.NUMBER)
+RESIDUAL_END = ConstraintKind(  # of a residual at such an end, where a path constraint is about what it determines
+    "residual end", "residual '{}'", "Residual {}", "", Multiplier.NUMBER, model=True)
 BOUND = ConstraintKind(  # of a state that is no variable
     "bound", "the bounds of {}", "Bounds of {}", "", Multiplier.DENSITY, sized=True)
 BOUND_INITIAL = ConstraintKind(
@@ -79,7 +81,10 @@ ENDS = ConstraintKind(  # the same, where the file has it among the boundary con
 OF_STATES = (BOUND, BOUND_INITIAL, BOUND_FINAL)
 """What is asked of a state that is no variable."""
 
-KINDS = (DEFECT, RESIDUAL, DELAY, PATH, PATH_END, *OF_STATES, BOUNDARY, CONDITION, INTEGRAL, LINK, ENDS)
+AT_ENDS = {PATH_END: PATH, RESIDUAL_END: RESIDUAL}
+"""What holds at an end that is no collocation point -> what it is over time."""
+
+KINDS = (DEFECT, RESIDUAL, DELAY, PATH, PATH_END, RESIDUAL_END, *OF_STATES, BOUNDARY, CONDITION, INTEGRAL, LINK, ENDS)
 
 
 def kind_called(name: str) -> ConstraintKind:

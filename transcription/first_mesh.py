@@ -12,12 +12,14 @@ from .attempts.others import from_others
 from .attempts.segments import CRAWLING, OF_THE_MESH, may_crawl, of_the_mesh, on_more_segments
 from .engines.outcome import Status
 from .engines.watch import Limit, Watch
+from .failure.unlimited import told_of_shrinking
 from .one_mesh import Found, Origin
 from .schemes.mesh import Mesh
 from .settings import Settings
 from .solution.solution import Solution
 from .starts.drawn import drawn_starts, told_of_starts
 from .starts.other import without_effect
+from .starts.worthless import worthless
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -59,7 +61,7 @@ def solve_first_mesh(
     began = time.process_time()
     cut = CRAWLING if may_crawl(attempt) else None
     best = attempt.own(cut)
-    if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED:
+    if settings.engine != "ipopt" or best[0].status is Status.INTERRUPTED or _shrank_away(best[0]):
         return _doubted(best)
     first = time.process_time() - began
     seconds = max(SECONDS, TIMES * first)
@@ -69,12 +71,15 @@ def solve_first_mesh(
         return _doubted((replace(found[0], notes=(*found[0].notes, told_of_lasting(best[0]))), found[1]))
     if of_the_mesh(attempt, best[0]) and (found := on_more_segments(attempt, best, limit)):
         return _doubted(found)
+    explained = False
     if cut and best[0].status is Status.MAX_ITERATIONS and not away:
-        best = attempt.own()
-    if start.guess is None and best[0].status not in NOT_OF_THE_START:
+        best, explained = _explained(attempt, best, seconds)
+        if not explained or not (best[0].status.usable or best[0].relief):
+            best = attempt.own()
+    if start.guess is None and best[0].status not in NOT_OF_THE_START and not best[0].relief:
         best = from_others(attempt, best, limit)
-    if _may_contradict(best[0], settings):
-        best = _explained(attempt, best, Limit(seconds, watch.stop, time.process_time))
+    if not explained:
+        best, _ = _explained(attempt, best, seconds)
     return _doubted(best)
 
 
@@ -103,6 +108,11 @@ def _ran_away(failed: Solution) -> bool:
     return failed.status is Status.DIVERGING and fallen(failed.outcome)
 
 
+def _shrank_away(failed: Solution) -> bool:
+    """Whether a duration went to zero for what no other start mends."""
+    return not failed.status.usable and bool(told_of_shrinking(failed.trajectories))
+
+
 def _may_contradict(failed: Solution, settings: Settings) -> bool:
     """Whether constraints may be the reason of a failure: not if the user cut it short, or something has run away."""
     if failed.status not in CONTRADICTORY or not failed.violations:
@@ -110,31 +120,40 @@ def _may_contradict(failed: Solution, settings: Settings) -> bool:
     return failed.status is not Status.MAX_ITERATIONS or ("max_iter" not in settings.options and not failed.trouble)
 
 
-def _explained(attempt: Attempt, best: Found, limit: Limit) -> Found:
-    """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way."""
+def _explained(attempt: Attempt, best: Found, seconds: float) -> tuple[Found, bool]:
+    """The solution from a feasible trajectory if there is one, else the failed one and what would have to give way;
+    and whether that could be told."""
+    failed, limit = best[0], Limit(seconds, attempt.watch.stop, time.process_time)
+    if not _may_contradict(failed, attempt.settings):
+        return best, False
     from .failure.relax import explain  # loaded when there is a failure
 
-    failed = best[0]
     explanation = explain(attempt.problem, attempt.meshes, attempt.start.guess, stop=limit.reached)
     if not explanation.settled:
-        return best
+        return best, False
     if not explanation.feasible:
-        return replace(failed, relief=explanation.relief), best[1]
+        return (failed.contradictory(explanation.relief), best[1]), True
     solution, solved = attempt.run(explanation.curves, limit)
     if solution.status.usable:
         note = f"the start of the file failed ({failed.status.message}); this is the solution from a trajectory"
         note += " that violates nothing, found without the objective"
-        return replace(solution, notes=(*solution.notes, note)), solved
+        return (replace(solution, notes=(*solution.notes, note)), solved), True
     note = "the constraints can all hold, but the solve from a trajectory that violates none failed, too"
-    return replace(failed, notes=(*failed.notes, note)), best[1]
+    return (replace(failed, notes=(*failed.notes, note)), best[1]), True
 
 
 def _doubted(found: Found) -> Found:
     """With a note on what had no effect along the solution: that may be stationary without being an optimum."""
     solution, solved = found
-    idle = without_effect(solution.problem, solution.trajectories) if solution.status.usable else []
-    if not idle:
+    if not solution.status.usable:
         return found
-    names = ", ".join(idle)
-    what = f"{names} has no effect along this solution (df/du = 0), so it may be stationary and no optimum"
-    return replace(solution, notes=(*solution.notes, f"{what}; give another guess of {names}")), solved
+    what = "has no effect along this solution (df/du = 0)"
+    names = without_effect(solution.problem, solution.trajectories)
+    if not names:
+        what = "does nothing along this solution (the Hamiltonian is the same whatever it is)"
+        names = worthless(solution.problem, solution.trajectories, solution.objective)
+    if not names:
+        return found
+    idle = ", ".join(names)
+    note = f"{idle} {what}, so it may be stationary and no optimum; give another guess of {idle}"
+    return replace(solution, notes=(*solution.notes, note)), solved

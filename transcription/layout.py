@@ -12,7 +12,7 @@ from ..problems.lean.records import dataclass
 from ..problems.problem import Phase, Problem
 from ..problems.quantities import Range
 from ..problems.text import short_repr
-from .constraint_kinds import DEFECT, DELAY, OF_STATES, PATH, PATH_END, ConstraintKind, range_of_state
+from .constraint_kinds import AT_ENDS, DEFECT, DELAY, OF_STATES, ConstraintKind, range_of_state
 from .program.contract import NonlinearProgram
 from .schemes.mesh import Mesh
 
@@ -159,5 +159,5 @@ def range_of_rows(problem: Problem, family: Family) -> Range:
         return range_of_state(kind, next(state for state in phase.states if state.name == name))
     if kind in (DEFECT, DELAY):
         return EQUAL
-    constraints = getattr(phase, PATH.functions if kind is PATH_END else kind.functions)
+    constraints = getattr(phase, AT_ENDS.get(kind, kind).functions)
     return next(own.bounds for own in constraints if own.name == name)

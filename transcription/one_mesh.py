@@ -17,6 +17,7 @@ from .engines.outcome import Outcome, Start, Status
 from .engines.table import engine_solve
 from .engines.watch import Watch
 from .failure.diagnose import diagnose
+from .failure.unlimited import shrinks_away
 from .layout import Transcription, bounded_start
 from .libraries.alone import building
 from .measured.knots import measured_fractions, with_knots
@@ -161,10 +162,13 @@ def engine_of(
     watch: who looks on.
     """
     damped, solve = damping.of(nlp, transcription), engine_solve(settings.engine)
+    looks: dict[str, Callable | None] = watch.callbacks()
+    if settings.engine == "ipopt":
+        looks["away"] = partial(shrinks_away, transcription)
 
     def run(z: np.ndarray, options: Mapping[str, object], multipliers: Start | None) -> Outcome:
         scaling = _scaling_of(transcription, nlp, z, settings)
-        return solve(damped or nlp, z, *bounds, options, start=multipliers, scaling=scaling, **watch.callbacks())
+        return solve(damped or nlp, z, *bounds, options, start=multipliers, scaling=scaling, **looks)
 
     return run
 

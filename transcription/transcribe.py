@@ -169,7 +169,7 @@ def with_costates(
     Shooting has them from the same definition as collocation, by the adjoint of its simulation; finite differences have
     none.
     """
-    outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome.y))
+    outcome = replace(outcome, y=without_end_masses(transcription, nlp, outcome))
     found = _kind_of(transcription).costates(transcription, nlp, outcome)
     return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, found, strict=True))
 

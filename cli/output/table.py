@@ -102,7 +102,7 @@ def _found(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if CONTINUOUS in kinds:
         yield "error", _error(summary["error"], summary["meshes"][-1]["relative_error"], several)
         if summary["solved"]:
-            yield "bounds", _bounds(summary["overshoot"], several)
+            yield "bounds", _bounds(summary["overshoot"], summary["phases"])
     yield from (("arcs", text) for text in few_arcs(summary["phases"]))
     yield from (("pair", text) for text in _pairs(summary["phases"], several))
     if summary["program"]:
@@ -174,7 +174,7 @@ def _phase_line(name: str, phase: dict[str, Any]) -> str:
     return f"{name}: {when}; {phase['method']}, {phase['segments']} segments; error {_eta(phase['relative_error'])}"
 
 
-def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
+def _bounds(overshoot: dict[str, Any] | None, phases: dict[str, Any]) -> str:
     """How far bounds and path constraints are exceeded between the points, in their own unit."""
     if overshoot is None:
         return "none to hold"
@@ -185,8 +185,9 @@ def _bounds(overshoot: dict[str, Any] | None, several: bool) -> str:
     name, unit = overshoot["name"], f" {overshoot['unit']}" if overshoot["unit"] else ""
     verb = "are" if name.startswith("bounds") else "is"
     share = f"{100 * overshoot['share']:.2g} % of its range"
-    when = f"t = {overshoot['time']:.4g}" + (f" of phase {overshoot['phase']}" if several else "")
-    return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at {when}"
+    when = f"t = {overshoot['time']:.4g}" + (f" of phase {overshoot['phase']}" if len(phases) > 1 else "")
+    lasts = f", for {overshoot['lasts']:.2g} {phases[overshoot['phase']]['time']['unit']}" if overshoot["lasts"] else ""
+    return f"{name} {verb} exceeded by {overshoot['amount']:.2g}{unit} ({share}) at {when}{lasts}".rstrip()
 
 
 def _pairs(phases: dict[str, Any], several: bool) -> Iterator[str]:

@@ -58,7 +58,7 @@ def through_phases(
             if chain and state.name not in framed:
                 known = [state.name in settled[link.name] for link in chain]
                 wanted = [asked[link.name][state.name] for link in chain]
-                for name, ends in _curves(state.name, chain, wanted, known):
+                for name, ends in _lines(state.name, chain, wanted, known):
                     if state.name not in settled[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
     first, last = phases[0], phases[-1]
@@ -101,7 +101,7 @@ class _Knot(NamedTuple):
     value: float | None
 
 
-def _curves(
+def _lines(
     state: str, chain: Sequence[Phase], wanted: Sequence[tuple[Range, Range]], guessed: Sequence[bool]
 ) -> Iterator[tuple[str, tuple[float, float]]]:
     """(phase, its initial and final value) along a chain: known values, and straight lines over time between them."""

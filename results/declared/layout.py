@@ -35,7 +35,7 @@ VERSION = Group(attributes={"format_version": Attribute(WHOLE)})
 _CURVE = {"points": Array(NUMBER, (POINTS,)), "dense": Array(NUMBER, (SAMPLES,))}
 
 
-def _curves(where: str) -> dict[str, Array | Group | Each]:
+def _curves_over(where: str) -> dict[str, Array | Group | Each]:
     """The curves of a phase at its points, or on the dense grid, over their times."""
     curve = _CURVE[where]
     return {
@@ -101,8 +101,8 @@ ARCS = Group(
 PHASE = Group({
     "knots": Array(NUMBER, (KNOTS,), ordered="times"),
     "knot": Array(NUMBER, (KNOTS,), optional=True),  # a dimension without values, which older results lack
-    "points": Group(_curves("points")),
-    "dense": Group({**_curves("dense"), "epsilon": Each(_CURVE["dense"], names="states")}),
+    "points": Group(_curves_over("points")),
+    "dense": Group({**_curves_over("dense"), "epsilon": Each(_CURVE["dense"], names="states")}),
     "error": Group(
         {
             "segment": Array(WHOLE, (SEGMENTS,)),
@@ -118,6 +118,7 @@ PHASE = Group({
             "overshoot_amount": Attribute(NUMBER, along="overshoot_share"),
             "overshoot_unit": Attribute(TEXT, along="overshoot_share"),
             "overshoot_time": Attribute(NUMBER, along="overshoot_share"),
+            "overshoot_lasts": Attribute(NUMBER, optional=True),  # results of older versions have none
         },
     ),
     "parameter": Each(Array(NUMBER), names="parameters"),

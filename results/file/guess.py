@@ -64,7 +64,7 @@ def _told(values: Mapping, known: set[str]) -> list[str]:
 
 def _guess(source: str, file: h5py.File, problem: Problem, phase: Phase) -> Guess:
     names = [phase.name] if phase.name in file["phase"] else list(file["phase"])
-    curves = [_curves(source, file["phase"][name]) for name in names]
+    curves = [_stored(source, file["phase"][name]) for name in names]
     if phase.static:
         if not curves[0].parameters.keys() & phase.guess.parameters.keys():
             missing = ", ".join(phase.guess.parameters)
@@ -76,7 +76,7 @@ def _guess(source: str, file: h5py.File, problem: Problem, phase: Phase) -> Gues
     return adapted(curves[0] if phase.name in file["phase"] else _part(curves, problem, phase), phase)
 
 
-def _curves(source: str, group: h5py.Group) -> Guess:
+def _stored(source: str, group: h5py.Group) -> Guess:
     """The curves of a stored phase."""
     dense = group["dense"]
     time = dense["time"][:]

@@ -226,7 +226,7 @@ def _phase(name: str, group: h5py.Group, method: str) -> PhaseCurves:
         time=time[:],
         dense_time=dense["time"][:],
         knots=group["knots"][:],
-        curves={kind: _curves(points.get(kind, {}), dense.get(kind, {})) for kind in CURVE_KINDS},
+        curves={kind: _curve_of_each(points.get(kind, {}), dense.get(kind, {})) for kind in CURVE_KINDS},
         epsilon={state: Curve(unit_of(d), np.empty(0), d[:]) for state, d in dense.get("epsilon", {}).items()},
         eta={state: eta[:, i] for i, state in enumerate(group["error/state"].asstr()[:])},
         parameters={name: float(value[()]) for name, value in group.get("parameter", {}).items()},
@@ -242,7 +242,7 @@ def _measured(name: str, group: h5py.Group) -> MeasuredPoints:
     return MeasuredPoints(name, printable(group.attrs["expression"]), unit_of(group["value"]), *arrays)
 
 
-def _curves(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:
+def _curve_of_each(points: Mapping[str, h5py.Dataset], dense: Mapping[str, h5py.Dataset]) -> dict[str, Curve]:
     return {name: Curve(unit_of(dense[name]), points[name][:], dense[name][:]) for name in points if name in dense}
 
 

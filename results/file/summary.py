@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,8 @@ from .json_values import for_json
 OLDER = "an older version of trajopt wrote this result, which is to be solved again"
 """Why there are no sensitivities in a result that has no place for them."""
 
-NAMED = 6
-"""Of all that cannot hold at once, in a sentence."""
+OF_ONE = re.compile(r"(the \w+ (?:value|bound)) of (\w+)( .*|)")
+"""What is demanded of one variable: the kind, the variable, and when or of which phase."""
 
 STATIC, DISCRETE, CONTINUOUS = "static", "discrete", "continuous"
 """What time is in a phase; discrete time is called like its method."""
@@ -45,13 +46,22 @@ def causes(trouble: str, violations: Sequence[object], involved: Sequence[str] =
 
     trouble: what explains it.
     violations: the worst first.
-    involved: names in the trouble, of which only the first are told.
+    involved: names in the trouble: all are told, those of a kind together.
     """
-    if len(involved) > NAMED:
-        trouble = trouble.replace(
-            ", ".join(involved), f"{', '.join(involved[:NAMED])} and {len(involved) - NAMED} more"
-        )
+    trouble = trouble.replace(", ".join(involved), ", ".join(_together(involved))) if involved else trouble
     return [*filter(None, [trouble]), *map(str, violations[:3])]
+
+
+def _together(names: Sequence[str]) -> list[str]:
+    """Names of constraints, of which those that differ by a variable only are one: the final values of x, v."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name in names:
+        before, variable, after = match.groups() if (match := OF_ONE.fullmatch(name)) else (name, "", "")
+        groups.setdefault((before, after), []).append(variable)
+    return [
+        f"{before}{'s' if len(own) > 1 else ''}{' of ' if own[0] else ''}{', '.join(own)}{after}"
+        for (before, after), own in groups.items()
+    ]
 
 
 def _summary(path: Path, file: h5py.File) -> dict[str, Any]:
@@ -168,7 +178,7 @@ def _overshoot(file: h5py.File) -> dict[str, Any] | None:
     for name, phase in file["phase"].items():
         told = {k.removeprefix(prefix): v for k, v in phase["error"].attrs.items() if k.startswith(prefix)}
         if told:
-            found.append({"phase": name, **told})
+            found.append({"phase": name, "lasts": None, **told})
     return max(found, key=lambda own: own["share"], default=None)
 
 

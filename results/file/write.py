@@ -74,8 +74,8 @@ from ...problems.files import check_not_protected, check_writable, write_whole
 from ...problems.lean.versions import version
 from .arrays import array_of, content_of, file_in_memory, group_of, scale_of, tell, texts
 from .door import FORMAT, FORMAT_VERSION, head_of_file
-from .write_measured import write_estimates, write_measured, write_sensitivities
-from .write_phase import write_arcs, write_exactness, write_parameters, write_phase, write_prices
+from .write_measured import write_estimates, write_sensitivities
+from .write_phase import write_phase, write_prices
 
 if TYPE_CHECKING:  # `trajopt show` reads results without the time it takes to load Pyomo
     from ...transcription.schemes.mesh import Mesh
@@ -164,22 +164,8 @@ def image_of(
         for name, number in solution.problem.numbers.items():
             array_of(numbers, name, float(number), [], f"parameter {name}")
         phases = group_of(file, "phase")
-        for number, (trajectory, error) in enumerate(zip(solution.trajectories, solution.errors, strict=True)):
-            group = group_of(phases, trajectory.phase.name)
-            write_phase(group, trajectory, error)
-            if solution.objective_error.applies:
-                share, segment = solution.objective_error.shares[number], group["error/segment"]
-                array_of(
-                    group["error"], "objective", share, [segment], "part of objective_error, in the objective's unit"
-                )
-            write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
-            if solution.prices and solution.prices[number]:
-                write_prices(group_of(group, "price"), solution.prices[number])
-            if solution.arcs and solution.arcs[number]:
-                write_arcs(group_of(group, "arcs"), solution.arcs[number], trajectory.phase.time_unit)
-            write_exactness(group_of(group, "complementarity"), trajectory)
-            if trajectory.phase.measured:
-                write_measured(group_of(group, "measured"), trajectory)
+        for number, trajectory in enumerate(solution.trajectories):
+            write_phase(group_of(phases, trajectory.phase.name), solution, number)
         if solution.prices_between:
             write_prices(group_of(file, "price"), solution.prices_between)
         if solution.estimates:

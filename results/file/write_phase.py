@@ -9,17 +9,41 @@ import h5py
 import numpy as np
 
 from .arrays import array_of, dimension_of, group_of, scale_of, tell, texts
+from .write_measured import write_measured
 
 if TYPE_CHECKING:
     from ...problems.problem import Phase, Problem
     from ...problems.quantities import Variable
     from ...transcription.arcs import Course
     from ...transcription.solution.error import ErrorProfile
+    from ...transcription.solution.solution import Solution
     from ...transcription.solution.trajectory import Trajectory
 
 
-def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
-    """Write the curves of one phase at the points and on the dense grid, and its errors by segment.
+def write_phase(group: h5py.Group, solution: Solution, number: int) -> None:
+    """Write all of one phase.
+
+    group: of the phase, empty.
+    solution: solved or not.
+    number: of the phase, from 0.
+    """
+    trajectory, objective = solution.trajectories[number], solution.objective_error
+    _write_trajectory(group, trajectory, solution.errors[number])
+    if objective.applies:
+        long_name = "part of objective_error, in the objective's unit"
+        array_of(group["error"], "objective", objective.shares[number], [group["error/segment"]], long_name)
+    _write_parameters(group_of(group, "parameter"), solution.problem, trajectory.parameters)
+    if solution.prices and solution.prices[number]:
+        write_prices(group_of(group, "price"), solution.prices[number])
+    if solution.arcs and solution.arcs[number]:
+        _write_arcs(group_of(group, "arcs"), solution.arcs[number], trajectory.phase.time_unit)
+    _write_exactness(group_of(group, "complementarity"), trajectory)
+    if trajectory.phase.measured:
+        write_measured(group_of(group, "measured"), trajectory)
+
+
+def _write_trajectory(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) -> None:
+    """The curves of one phase at the points and on the dense grid, and its errors by segment.
 
     group: of the phase, empty.
     trajectory: the solved phase; without costates none are written.
@@ -56,12 +80,13 @@ def write_phase(group: h5py.Group, trajectory: Trajectory, error: ErrorProfile) 
             "unit": worst.unit,
             "time": worst.time,
             "share": worst.share,
+            "lasts": worst.lasts,
         }
         tell(errors, {f"overshoot_{key}": value for key, value in told.items()})
 
 
-def write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
-    """Write the values of the static parameters, each with its unit.
+def _write_parameters(group: h5py.Group, problem: Problem, values: Mapping[str, float]) -> None:
+    """The values of the static parameters, each with its unit.
 
     group: of the parameters of one phase, empty.
     problem: says which parameters there are, and their units.
@@ -81,8 +106,8 @@ def write_prices(group: h5py.Group, prices: Mapping[str, float]) -> None:
         array_of(group, name, value, [], f"change of the objective with the bound of {name}")
 
 
-def write_arcs(group: h5py.Group, arcs: Sequence[Course], unit: str) -> None:
-    """Write when each bounded control, state and path constraint is on which bound: a row for each arc.
+def _write_arcs(group: h5py.Group, arcs: Sequence[Course], unit: str) -> None:
+    """When each bounded control, state and path constraint is on which bound: a row for each arc.
 
     group: of the arcs of one phase, empty.
     arcs: of the phase, of at least one quantity.
@@ -99,8 +124,8 @@ def write_arcs(group: h5py.Group, arcs: Sequence[Course], unit: str) -> None:
     array_of(group, "by", texts(arc.by for _, arc in rows), [number], "what determines a control inside its bounds")
 
 
-def write_exactness(group: h5py.Group, trajectory: Trajectory) -> None:
-    """Write how far both of each pair, of which one must be zero, are above it at the points that the solver holds.
+def _write_exactness(group: h5py.Group, trajectory: Trajectory) -> None:
+    """How far both of each pair, of which one must be zero, are above it at the points that the solver holds.
 
     group: of the pairs of one phase, empty.
     trajectory: of the phase.

@@ -57,7 +57,7 @@ def sweep_page(folder: Path) -> str:
         "axes": axes,
         "grid": plan.design == GRID,
         "columns": _columns(axes, shown, _units(stated)),
-        "curves": _curves(folder, shown),
+        "curves": _curves_of_cases(folder, shown),
         "results": sorted(n for n, r in shown.items() if r["key"] and (folder / RESULTS / f"{r['key']}.h5").exists()),
         "folder": folder.name,
     }
@@ -184,7 +184,7 @@ def _text(name: str, values: Sequence[str], *, main: bool) -> dict[str, Any]:
     return {"name": name, "unit": "", "main": main, "texts": distinct, "of": [place[value] for value in values]}
 
 
-def _curves(folder: Path, records: Mapping[int, Record]) -> dict[str, Any] | None:
+def _curves_of_cases(folder: Path, records: Mapping[int, Record]) -> dict[str, Any] | None:
     """The curves of each case as `small` has kept them, thinned so that the page stays small; None for too many."""
     grids: list[list[float | None]] = []
     known: dict[bytes, int] = {}

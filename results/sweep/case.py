@@ -170,7 +170,7 @@ def _solved(task: Task) -> Answer:
     left = Left({})
     if solution.solved:
         left = Left(
-            {t.phase.name: _curves(t) for t in solution.trajectories}, what_is_left(solution) if task.chain else None
+            {t.phase.name: _as_guess(t) for t in solution.trajectories}, what_is_left(solution) if task.chain else None
         )
     image = image_of(solution, spec.text, spec.model_dump_json(), task.command, spec.overrides) if task.full else None
     return Answer(record, left, image)
@@ -195,7 +195,7 @@ def _key(spec: Spec, overrides: list[str]) -> str:
     return sha256(json.dumps(resolved, sort_keys=True).encode()).hexdigest()[:20]
 
 
-def _curves(trajectory: Any) -> Guess:
+def _as_guess(trajectory: Any) -> Guess:
     """The solution at the points of its mesh, as a guess."""
     s = trajectory.mesh.fractions
     values = {name: np.nan_to_num(curve) for name, curve in trajectory.samples(s).items()}

@@ -33,6 +33,31 @@ def test_a_cut_corner_is_told_in_its_unit_and_as_a_share(folder):
     assert overshoot["name"] == "path constraint 'disc'" and overshoot["phase"] == "main"
     assert 0.001 < overshoot["amount"] < 0.04 and 0 < overshoot["time"] < 1
     assert f"{100 * overshoot['share']:.2g} % of its range" in line
+    assert line.endswith(f", for {overshoot['lasts']:.2g} s") and 0 < overshoot["lasts"] < 1
+
+
+SWITCH = """
+trajopt: 1
+name: there and back
+time: {initial: 0, final: {lower: 0, upper: 10, guess: 3}, unit: UNIT}
+states: {q: {rate: v, initial: 0, final: DISTANCE}, v: {rate: u - 0.01*v**2, initial: 0, final: 0}}
+controls: {u: {lower: -1, upper: 1}}
+objective: {minimize: {terminal: "t[final]"}}
+"""
+
+
+@pytest.mark.parametrize(("distance", "unit"), [(3, "min"), (7, "s"), (2, "")])
+def test_how_long_a_control_overshoots_beside_its_jump_is_told(distance, unit, folder):
+    """The jump is closed in: however much its polynomial overshoots there, it does so for next to no time."""
+    text = SWITCH.replace("DISTANCE", str(distance)).replace("UNIT", unit or '""')
+    (folder / "switch.yaml").write_text(text)
+    (line,) = (line for line in trajopt("solve", "switch.yaml").stdout.splitlines() if line.startswith("bounds"))
+    overshoot = json.loads(trajopt("show", "switch.h5", "--json").stdout)["overshoot"]
+    if overshoot["share"] > 1e-4:
+        assert line.endswith(f" at t = {overshoot['time']:.4g}, for {overshoot['lasts']:.2g} {unit}".rstrip())
+        assert overshoot["lasts"] < 0.01 * overshoot["time"]
+    else:
+        assert line == "bounds      held between the points"
 
 
 OFF = """

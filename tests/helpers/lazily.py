@@ -1,16 +1,20 @@
 """Libraries that are loaded when a test asks for them: every worker reads all files, and few of these need each."""
 
-import sys
-from importlib.util import LazyLoader, find_spec, module_from_spec
-from types import ModuleType
+from importlib import import_module
+from typing import Any
 
 
-def lazily(name: str) -> ModuleType:
+class Lazily:
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __getattr__(self, name: str) -> Any:
+        """pytest asks every name of a file for private attributes, which must not load the library."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(import_module(self.name), name)
+
+
+def lazily(name: str) -> Any:
     """The module of that name, loaded when something of it is asked for."""
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = find_spec(name)
-    spec.loader = LazyLoader(spec.loader)
-    sys.modules[name] = module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return Lazily(name)

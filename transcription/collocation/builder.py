@@ -12,11 +12,22 @@ from typing import Any
 
 import numpy as np
 
-from ...problems.probe import depends_on, names_asked
+from ...problems.conserved.determined import Determined, needed_at, open_at
+from ...problems.probe import names_asked
 from ...problems.problem import Curves, Phase
 from ...problems.quantities import Constraint as PathConstraint
 from ...problems.quantities import Function, Range
-from ..constraint_kinds import BOUNDARY, CONDITION, INTEGRAL, PATH, PATH_END, RESIDUAL, ConstraintKind, range_of_state
+from ..constraint_kinds import (
+    BOUNDARY,
+    CONDITION,
+    INTEGRAL,
+    PATH,
+    PATH_END,
+    RESIDUAL,
+    RESIDUAL_END,
+    ConstraintKind,
+    range_of_state,
+)
 from ..layout import Family
 from ..libraries.pyomo import AnyValue, Constraint, Param, RangeSet, Set, Var, pyomo
 from ..program.templates import item
@@ -83,6 +94,16 @@ class PhaseBuilder(ABC):
                         bound(data[k], ends, data[k].value)
         for variable, (component, name) in zip(phase.inputs, self.inputs, strict=True):
             self._fill(component, name, mesh.collocated.tolist(), variable.bounds, curves[name].tolist())
+        self.at_ends = {k: own for k, end in ((0, "initial"), (self.last, "final")) if (own := self._needed(k, end))}
+        block.end = Var([(name, k) for k, own in self.at_ends.items() for name in sorted(own.names)])
+        for variable in phase.algebraic:
+            open_points = [k for k in self.at_ends if (variable.name, k) in block.end]
+            self._fill(block.end, variable.name, open_points, variable.bounds, curves[variable.name].tolist())
+
+    def _needed(self, k: int, end: str) -> Determined | None:
+        """What has to be determined at an end that is no collocation point."""
+        needed = Determined() if k in self.mesh.collocated else needed_at(self.phase, end)
+        return needed if needed.names else None
 
     def _fill(self, component: Var, name: str, points: list[int], bounds: Range, values: list[float]) -> dict:
         """Give one state or input its bounds and initial values; returns the variables by point."""
@@ -225,32 +246,28 @@ class PhaseBuilder(ABC):
             self._at_place(component, place, relation, kind, constraint.name)
 
     def _path_at_ends(self) -> None:
-        """Path constraints on the states alone hold at both ends, also where an end is no collocation point."""
-        for end, s in (("initial", 0.0), ("final", 1.0)):
-            last = end == "final"
-            if (self.last if last else 0) in self.mesh.collocated:
+        """Path constraints on the states alone, and on what these determine, hold at both ends, also where an end is no
+        collocation point."""
+        for k, end in ((0, "initial"), (self.last, "final")):
+            if k in self.mesh.collocated:
                 continue
-            for i, constraint in enumerate(self.phase.path):
-                if not self._open_at(end, constraint):
-                    continue
+            for i, own in enumerate(self.phase.path):
+                if open_at(self.phase, end, own.function):
+                    self._at_end(f"path{i}_{end}", k, own, PATH_END)
+            for i, own in enumerate(self.at_ends[k].residuals if k in self.at_ends else ()):
+                self._at_end(f"residual{i}_{end}", k, own, RESIDUAL_END)
 
-                def rule(
-                    block: Any, *, c: PathConstraint = constraint, last: bool = last
-                ) -> Any:  # Pyomo takes a positional one for an index
-                    values = self.end_values(last)
-                    values["t"] = block.tF if last else block.t0
-                    values.update({variable.name: 0.0 for variable in self.phase.inputs})  # g does not depend on them
-                    return between(c.bounds, c.function(values, pyomo))
+    def _at_end(self, component: str, k: int, constraint: PathConstraint, kind: ConstraintKind) -> None:
+        names = self.at_ends[k].names if k in self.at_ends else ()
 
-                self.add(f"path{i}_{end}", None, rule, PATH_END, constraint.name, (s, s))
+        def rule(block: Any) -> Any:
+            values = self.end_values(bool(k))
+            values["t"] = block.tF if k else block.t0
+            values.update({variable.name: 0.0 for variable in self.phase.inputs})  # it does not depend on them
+            values.update({name: item(block.end, name, k) for name in names})
+            return between(constraint.bounds, constraint.function(values, pyomo))
 
-    def _open_at(self, end: str, constraint: PathConstraint) -> bool:
-        """Whether a path constraint says something about an end: on states that are not all given there."""
-        phase, asked = self.phase, names_asked(constraint.function)
-        given = {state.name for state in phase.states if getattr(state, end).fixed}
-        given |= {"t"} if getattr(phase, f"{end}_time").fixed else set()
-        inputs = {variable.name for variable in phase.inputs}
-        return not asked <= given | inputs and not depends_on(constraint.function, inputs)
+        self.add(component, None, rule, kind, constraint.name, (float(k > 0), float(k > 0)))
 
     def _bounds_of_computed_states(self) -> None:
         for place in self.places():

@@ -200,7 +200,7 @@ def _laid_out(builder: PhaseBuilder, place: Callable[..., int]) -> Layout:
         phase,
         mesh,
         state=lambda i, k: place(block.x, (phase.states[i].name, k)),
-        own_input=lambda i, k: place(inputs[i][0], (inputs[i][1], k)),
+        own_input=lambda i, k: place(block.end if (inputs[i][1], k) in block.end else inputs[i][0], (inputs[i][1], k)),
         time=lambda end: place(block.tF if end else block.t0),
     )
     explicit = "" if builder.explicit_set is None else builder.explicit_set.name

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from ...problems.conserved.determined import determined, of_states_alone
 from ...problems.lean.records import dataclass
 from ...problems.probe import depends_on
 from ...problems.problem import Phase
@@ -32,7 +33,7 @@ from ...problems.text import short_repr
 from ..constraint_kinds import BOUND, PATH, ConstraintKind, Multiplier
 from ..engines.outcome import Outcome
 from ..layout import Family, Layout, Transcription, bounded_start
-from .end_masses import inputs_of, without_end_masses
+from .end_masses import without_end_masses
 
 ACTS = 0.5
 """Of theta: an inequality with less does not act."""
@@ -124,7 +125,7 @@ class Multipliers:
     @cached_property
     def over_time(self) -> np.ndarray:
         """Multipliers of the rows, shape (m,), without what path constraints do at the ends only."""
-        return without_end_masses(self.transcription, self.nlp, self.outcome.y)
+        return without_end_masses(self.transcription, self.nlp, self.outcome)
 
     @property
     def gap(self) -> float:
@@ -170,7 +171,7 @@ class Multipliers:
         t = self.transcription
         exact = [layout for layout in t.phases if layout.phase.exact]
         held = [(own.x.ravel(), own.u.ravel()) for own in exact]
-        held += [(own.t, np.concatenate([own.x[:, 0], own.x[:, -1]])) for own in t.phases]
+        held += [(own.t, np.concatenate([own.x[:, 0], own.x[:, -1], _determined_at_ends(own)])) for own in t.phases]
         places = distinct(np.concatenate([t.parameters, *(p for own in held for p in own)]))
         places = places[places >= 0]
         names = {own.phase.name for own in exact}
@@ -189,7 +190,7 @@ class Multipliers:
     def _of_states_alone(self, family: Family) -> bool:
         phases = (layout.phase for layout in self.transcription.phases)
         return any(
-            phase.name == family.phase and c.name == family.name and not _depends_on_inputs(phase, c.function)
+            phase.name == family.phase and c.name == family.name and of_states_alone(phase, c.function)
             for phase in phases
             for c in phase.path
         )
@@ -284,11 +285,18 @@ class Multipliers:
 
 
 def _depends_on_inputs(phase: Phase, function: Function) -> bool:
-    return depends_on(function, inputs_of(phase))
+    return depends_on(function, {variable.name for variable in phase.found})
 
 
 def _value_of(name: str) -> Function:
     return lambda values, functions: values[name]
+
+
+def _determined_at_ends(layout: Layout) -> np.ndarray:
+    """Where the unknowns stand at both ends that the states determine, of any number."""
+    phase = layout.phase
+    known = [own.name in determined(phase).names for own in phase.inputs] if phase.algebraic else []
+    return layout.u[np.array(known, bool)][:, [0, -1]].ravel() if any(known) else np.zeros(0, int)
 
 
 def _at_an_end(family: Family) -> np.ndarray:

@@ -48,6 +48,9 @@ LARGE, LARGE_DEFAULTS = 20_000, {"mumps_scaling": 0}
 for the cart-pole by trapezoid and Radau, 0.8 to 1.05 otherwise, and as many iterations or fewer. Smaller programs gain
 nothing on average, and some take a tenth more iterations."""
 
+LONG, OFTEN = 100, 50
+"""Iterations after which it is asked whether a solve still leads anywhere, and between two such questions."""
+
 OPTION_FILE = "option_file_name"
 
 USER_SCALING = {"nlp_scaling_method": "user-scaling"}
@@ -79,6 +82,7 @@ def solve_program(
     progress: Callable[[dict], None] | None = None,
     stop: Callable[[], bool] | None = None,
     scaling: Scaling | None = None,
+    away: Callable[[np.ndarray], bool] | None = None,
 ) -> Outcome:
     """Minimise the compiled program from z, between lower and upper.
 
@@ -90,11 +94,13 @@ def solve_program(
     progress: called with each iteration's record, name in COLUMNS -> number.
     stop: asked at each iteration; true ends the solve with status INTERRUPTED and the last iterate.
     scaling: in place of IPOPT's own; the outcome is that of the unscaled program.
+    away: asked now and then, after LONG iterations, of a point (n,) that has a better objective than the start; true
+        ends the solve with status DIVERGING.
 
     Raises ValueError for an option that `check_options` would refuse, SpecError for a library that cannot be had.
     """
     options = _with_library(options or {})
-    callbacks = _Callbacks(nlp, progress, stop)
+    callbacks = _Callbacks(nlp, progress, stop, away)
     problem = _problem(n=nlp.n, m=nlp.m, problem_obj=callbacks, lb=lower, ub=upper, cl=nlp.cl, cu=nlp.cu)
     chosen = {**DEFAULTS, **(LARGE_DEFAULTS if nlp.n >= LARGE else {}), **(WARM if start else {})}
     if (tol := options.get("tol")) is not None:
@@ -108,7 +114,7 @@ def solve_program(
             raise ValueError(f"IPOPT does not take {name} = {value!r}")
     multipliers = (start.y, start.z_lower, start.z_upper) if start else ()
     z, info = problem.solve(z, *multipliers)
-    status = Status.from_code(info["status"])
+    status = Status.DIVERGING if callbacks.is_away else Status.from_code(info["status"])
     if status in (Status.ACCEPTABLE, Status.STALLED):
         last = {name: values[-1] for name, values in callbacks.record.items()}
         found = np.concatenate([info["mult_g"], info["mult_x_L"], info["mult_x_U"]])
@@ -223,9 +229,15 @@ class _Callbacks:
     """The functions IPOPT calls, with a record of each iteration and of the last evaluation that was not finite."""
 
     def __init__(
-        self, nlp: NonlinearProgram, progress: Callable[[dict], None] | None, stop: Callable[[], bool] | None
+        self,
+        nlp: NonlinearProgram,
+        progress: Callable[[dict], None] | None,
+        stop: Callable[[], bool] | None,
+        away: Callable[[np.ndarray], bool] | None,
     ) -> None:
-        self.nlp, self.progress, self.stop = nlp, progress, stop
+        self.nlp, self.progress, self.stop, self.away = nlp, progress, stop, away
+        self.tried = np.zeros(nlp.n)
+        self.is_away = False
         self.record: dict[str, list[float]] = {name: [] for name in COLUMNS}
         self.failed: tuple[np.ndarray, list] | None = None
 
@@ -237,6 +249,7 @@ class _Callbacks:
             raise load_library().CyIpoptEvaluationError from error
 
     def objective(self, z: np.ndarray) -> float:
+        self.tried = z
         return self._finite(self.nlp.objective, z)
 
     def gradient(self, z: np.ndarray) -> np.ndarray:
@@ -262,4 +275,12 @@ class _Callbacks:
             self.record[name].append(value)
         if self.progress:
             self.progress(dict(zip(COLUMNS, values, strict=True)))
-        return not (self.stop and self.stop())
+        self.is_away = self._is_away()
+        return not (self.is_away or (self.stop and self.stop()))
+
+    def _is_away(self) -> bool:
+        objectives = self.record["objective"]
+        done = len(objectives) - 1
+        if not self.away or done < LONG or done % OFTEN or not objectives[-1] < objectives[0]:
+            return False
+        return self.away(self.tried)

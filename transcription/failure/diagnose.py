@@ -10,6 +10,7 @@ from ..program.contract import NonlinearProgram
 from ..solution.trajectory import trajectories
 from ..solution.violation import Trouble, Violation
 from .runaway import divided, fallen, runaway
+from .unlimited import told_of_shrinking
 from .violations import counted, violations
 
 BROKEN = (Status.INVALID_NUMBER, Status.STEP_FAILED, Status.RESTORATION_FAILED, Status.STALLED, Status.FAILED)
@@ -46,7 +47,8 @@ def diagnose(
         return found, conflict(transcription, nlp, outcome)
     if outcome.status is Status.OVERDETERMINED:
         return found, Trouble(counted(transcription, nlp))
-    words = runaway(transcription, outcome) or _kink(transcription, outcome.z)
+    words = told_of_shrinking(trajectories(transcription, outcome.z)) or runaway(transcription, outcome)
+    words = words or _kink(transcription, outcome.z)
     words = words or (divided(trajectories(transcription, outcome.z)) if outcome.status in BROKEN else "")
     return found, Trouble(words) if words else dependent(transcription, nlp, outcome)
 

@@ -42,6 +42,10 @@ SHORTEST = 1e-3  # of the guessed duration: a phase stays that long
 ITERATIONS = 300
 POINTS = 120  # of a mesh, at most
 
+DOUBTED = {"expect_infeasible_problem": "yes"}
+"""Of IPOPT, where nothing may give way: it then looks for less violation sooner. A budget that cannot be kept is given
+up after 15 iterations, not 300."""
+
 
 @dataclass(frozen=True)
 class Relaxation:
@@ -243,7 +247,7 @@ def _solved(
     stop: Callable[[], bool] | None,
 ) -> _Relaxed:
     elastic = ElasticProgram(transcription, nlp, soft, start, factors)
-    options = {"tol": 1e-7, "max_iter": ITERATIONS}
+    options = {"tol": 1e-7, "max_iter": ITERATIONS, **({} if soft else DOUBTED)}
     z, lower, upper = elastic.first(start), elastic.lower, elastic.upper
     return _Relaxed(transcription, elastic, solve_program(elastic, z, lower, upper, options, stop=stop))
 

@@ -59,7 +59,7 @@ def lower_hamiltonian(solution: Solution, solved: Solved, share: float) -> Lower
         if not notable < gain < np.inf:
             return None
     worst = max(found, key=lambda i: found[i].total)
-    guesses = [_curves(own, found[i]) if i in found else own for i, own in enumerate(trajectories)]
+    guesses = [_improved(own, found[i]) if i in found else own for i, own in enumerate(trajectories)]
     return Lower(gain, _where(trajectories[worst], found[worst]), guesses)
 
 
@@ -72,7 +72,7 @@ def _where(trajectory: Trajectory, least: BestControls) -> str:
     return f"within t = {start:.4g} to {end:.4g}{of_phase(trajectory.phase.name)}, as {names} at t = {t:.4g}"
 
 
-def _curves(trajectory: Trajectory, least: BestControls) -> Guess:
+def _improved(trajectory: Trajectory, least: BestControls) -> Guess:
     """A trajectory with the controls of least Hamiltonian."""
     controls = zip(trajectory.phase.controls, least.controls, strict=True)
     s = trajectory.mesh.fractions

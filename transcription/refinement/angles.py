@@ -32,7 +32,7 @@ def short_turns(trajectories: Sequence[Trajectory]) -> tuple[list[Curves], list[
     for own in trajectories:
         found = dict(_unwound(own))
         names += found
-        curves.append(_curves(own, found) if found else own)
+        curves.append(_turned(own, found) if found else own)
     return curves, names
 
 
@@ -84,7 +84,7 @@ def _effect(trajectory: Trajectory, control: Variable, turn: float) -> np.ndarra
     return (spans > EFFECT * np.where(most > 0, most, np.inf)).any(axis=0)
 
 
-def _curves(trajectory: Trajectory, angles: Mapping[str, np.ndarray]) -> Guess:
+def _turned(trajectory: Trajectory, angles: Mapping[str, np.ndarray]) -> Guess:
     """A trajectory with other values of some controls, at the collocation points."""
     s, k = trajectory.mesh.fractions, trajectory.mesh.collocated
     return trajectory.with_controls({name: np.interp(s, s[k], u) for name, u in angles.items()})

@@ -34,13 +34,17 @@ EPSILON_FLOOR = 1e-15  # below this eta is rounding error, which never converges
 
 @dataclass(frozen=True)
 class Overshoot:
-    """What exceeds its bounds most: by `amount` in its own unit, a `share` of the range of its curve, at a time."""
+    """What exceeds its bounds most: by `amount` in its own unit, a `share` of the range of its curve, at a time.
+
+    lasts: for how long it does so by more than a tenth of that; 0 in an exact phase.
+    """
 
     name: str
     amount: float
     unit: str
     time: float
     share: float
+    lasts: float
 
 
 @short_repr
@@ -87,17 +91,19 @@ def error_profile(trajectory: Trajectory) -> ErrorProfile:
     exact = trajectory.phase.exact
     excess = {} if exact else {e.name: trajectory.by_segment(e.values).max(axis=1) for e in shown}
     times = trajectory.times[trajectory.mesh.collocated] if exact else sample.t
-    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, times))
+    return ErrorProfile(epsilon, eta, relative, excess, np.zeros(N), _overshoot(shown, times, exact))
 
 
-def _overshoot(shown: list[Excess], t: np.ndarray) -> Overshoot | None:
+def _overshoot(shown: list[Excess], t: np.ndarray, exact: bool) -> Overshoot | None:
     """The largest excess by its share of the range of what is bounded; None if nothing has bounds."""
+    edges = np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]])
+    around = np.diff(edges) * (not exact)
     found = []
     for e in shown:
         k = int(np.argmax(e.beyond))
         amount = float(e.beyond[k])
         share = amount / e.span if e.span > 0 and e.values[k] > RELAXED else 0.0
-        found.append(Overshoot(e.name, amount, e.unit, float(t[k]), share))
+        found.append(Overshoot(e.name, amount, e.unit, float(t[k]), share, float(around[e.beyond > amount / 10].sum())))
     return max(found, key=lambda own: own.share, default=None)
 
 

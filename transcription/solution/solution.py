@@ -150,6 +150,8 @@ class Solution:
     @property
     def remedy(self) -> str:
         """What to do about a failure: the status' advice, but more iterations do not help where the cause is known."""
+        if self.status is Status.STEP_FAILED and self.trouble:
+            return "mend the cause"
         return "mend the cause: more iterations do not help" if self.cause_is_known else self.status.remedy
 
     @property
@@ -163,8 +165,17 @@ class Solution:
 
     def out_of_time(self) -> Solution:
         """The solution of an interrupted solve, of which the time limit is told."""
-        meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=Status.TIME_LIMIT))
-        return replace(self, status=Status.TIME_LIMIT, meshes=meshes)
+        return self._ended(Status.TIME_LIMIT)
+
+    def contradictory(self, relief: tuple[str, ...]) -> Solution:
+        """The failed solution of a problem that contradicts itself; relief: as of the fields. More iterations do not
+        help where they ran out."""
+        told = self._ended(Status.INFEASIBLE) if relief and self.status is Status.MAX_ITERATIONS else self
+        return replace(told, relief=relief)
+
+    def _ended(self, status: Status) -> Solution:
+        meshes = (*self.meshes[:-1], replace(self.meshes[-1], status=status))
+        return replace(self, status=status, meshes=meshes)
 
     @property
     def cause_is_known(self) -> bool:

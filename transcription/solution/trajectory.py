@@ -291,7 +291,8 @@ def _extrapolate_inputs(trajectory: Trajectory) -> None:
         segment = min(int(np.searchsorted(mesh.knots, k, side="right")) - 1, mesh.segments - 1)
         scheme = mesh.schemes[segment]
         tau = scheme.sigma[k - mesh.first[segment]]
-        u[:, k] = u[:, mesh.first[segment] + np.array(scheme.collocated)] @ scheme.control_basis(np.array([tau]))[0]
+        inside = u[:, mesh.first[segment] + np.array(scheme.collocated)]
+        u[:, k] = np.where(np.isnan(u[:, k]), inside @ scheme.control_basis(np.array([tau]))[0], u[:, k])
     for row, own in zip(u[trajectory.phase.rows_of_delayed], trajectory.phase.delayed, strict=True):
         row[missing] = trajectory.earlier(own, trajectory.times[missing])
         vars(trajectory).pop("f", None)  # it had what was extrapolated

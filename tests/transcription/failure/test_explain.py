@@ -10,11 +10,13 @@ from derivatives import check_derivatives
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
+from trajopt.transcription.engines.outcome import Status
 from trajopt.transcription.failure.elastic import ElasticProgram
 from trajopt.transcription.failure.relax import explain
 from trajopt.transcription.failure.soft import soft_constraints
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.settings import steps
+from trajopt.transcription.settings import Refine, Settings, steps
+from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, transcribe
 
 from .test_failures import INFEASIBLE, PATH, problem
@@ -97,6 +99,31 @@ def test_solve_tells_what_would_do(tmp_path, monkeypatch):
     assert any(line.startswith(("relax ", "or ")) and "the final time from 3 to 5.4" in line for line in first)
     told = json.loads(trajopt("show", "short.h5", "--json").stdout)
     assert any("the final time" in own for own in told["relief"])
+
+
+@pytest.mark.parametrize(
+    ("states", "budget", "least"),
+    [
+        ("x: {rate: u, initial: 0, final: 3}", "{name: energy, expression: u**2, upper: 4}", "'energy' from 4 to 9"),
+        (
+            "y: {rate: u - y, initial: 0, final: 2}",
+            "{name: effort, expression: 3*u**2, upper: 1}",
+            "'effort' from 1 to 27.7",
+        ),
+    ],
+)
+def test_a_budget_that_cannot_be_kept(states, budget, least):
+    """IPOPT crawls there: what has to give way is asked for then, and not after 3000 iterations more.
+
+    The second needs 3*8/(1 - exp(-2)) = 27.756.
+    """
+    extra = f"constraints: {{integral: [{budget}]}}"
+    text = problem(states=states, u="", objective=f"integral: {states[0]}**2", extra=extra, segments=3, method="radau")
+    spec = load_text(text, "x.yaml")
+    solution = solve(build(spec), steps(spec.mesh), Settings(refine=Refine()))
+    assert solution.status is Status.INFEASIBLE and solution.meshes[-1].iterations < 1000
+    assert any(least in own for own in solution.relief), solution.relief
+    assert "relax one of the constraints" in solution.remedy
 
 
 def test_the_command(tmp_path, monkeypatch):

@@ -8,7 +8,8 @@ from trajopt.problems.load import load_text
 from trajopt.transcription.engines.outcome import Outcome, Status
 from trajopt.transcription.failure.dependent import dependent
 from trajopt.transcription.layout import bounded_start
-from trajopt.transcription.settings import steps
+from trajopt.transcription.settings import Settings, steps
+from trajopt.transcription.solve import solve
 from trajopt.transcription.transcribe import compiled, transcribe
 
 from .test_failures import failed, problem
@@ -56,6 +57,44 @@ def test_a_division_by_what_changes_its_sign(initial, cost):
     solution = failed(problem(states=f"x: {{rate: u - 1, initial: {initial}}}", objective=f"integral: {cost}"))
     assert solution.trouble.startswith("the objective divides by ")
     assert "which changes its sign" in solution.trouble and "give x a bound" in solution.trouble
+
+
+INTEGRATOR = "x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}"
+SHRINKING = {
+    "a double integrator": problem(
+        u="", states=INTEGRATOR, objective='terminal: "t[final]"', final="{lower: 0, guess: 2}",
+    ),
+    "a free start, and a bound on the other side": problem(
+        u="lower: 0", states="h: {rate: w - 1, initial: 0, final: 30}, w: {rate: 2*u, initial: 0}",
+        objective='terminal: "t[final] - t[initial]"', final="{guess: 40}", method="trapezoid",
+    ).replace("initial: 0, final: {", "initial: {guess: 0}, final: {"),
+    "one of two": problem(
+        u="", states="x: {rate: v, initial: 0, final: 1}, v: {rate: u + sin(w), initial: 0, final: 0}",
+        objective='terminal: "t[final]"', final="{lower: 0, guess: 3}", method="runge-kutta-4",
+    ).replace("controls: {", "controls: {w: {lower: -1, upper: 1}, "),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SHRINKING)
+def test_a_time_that_shrinks_while_nothing_limits_a_control(case):
+    """There is no shortest time, which is told after few iterations."""
+    solution = failed(SHRINKING[case])
+    assert solution.status is Status.DIVERGING and solution.meshes[-1].iterations < 400
+    what = "duration goes to zero" if "free start" in case else "final time goes to its lower bound"
+    assert solution.trouble.startswith(f"the {what} as u grows (to ")
+    assert solution.trouble.endswith("give u bounds, or a price in the objective") and "w grows" not in solution.trouble
+
+
+@pytest.mark.parametrize("price", [1e-9, 1e-14])
+def test_a_short_time_at_a_small_price_is_none_that_shrinks(price):
+    """t + p * integral of u^2 is least at T^4 = 36 p, where u is 6/T^2 at the ends: up to 1e7."""
+    text = problem(
+        u="", states=INTEGRATOR, objective=f'terminal: "t[final]", integral: {price}*u**2', final="{guess: 20}"
+    )
+    spec = load_text(text, "x.yaml")
+    solution = solve(build(spec), steps(spec.mesh), Settings())
+    assert solution.solved
+    assert solution.objective == pytest.approx(4 / 3 * (36 * price) ** 0.25, rel=1e-6)
 
 
 def named_dependent(extra: str) -> str:

@@ -89,10 +89,10 @@ states: {x: {rate: u, initial: 0}}
 controls: {u: {lower: -1, upper: 1}}
 objective: {minimize: {integral: x**2 + (u**2 - 1)**2}}
 """,
-    "a cap of an algebraic variable is left at the end": """
+    "a cap of an algebraic variable, which the control moves a little, is left at the end": """
 states: {x: {rate: u, initial: 0}}
 algebraic: {z: {}}
-residuals: [z - x**2]
+residuals: [z - x**2 - 1e-6*u]
 controls: {u: {lower: -10, upper: 10}}
 objective: {maximize: {terminal: "x[final]", integral: -0.01*u**2}}
 constraints: {path: [{name: cap, expression: z, upper: 4}]}
