@@ -57,7 +57,7 @@ def failed(text: str, **options):
 
 
 def failed_mesh(text: str):
-    """As `failed`, on the mesh alone: what would have to give way, which test_explain asks for, takes most of the time."""
+    """As `failed`, on the mesh alone: to find what would have to give way, as test_explain does, takes most time."""
     spec = load_text(text, "failure.yaml")
     (step,), settings = steps(spec.mesh), Settings(spec.solver.options)
     with warnings.catch_warnings():
