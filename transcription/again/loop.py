@@ -61,10 +61,10 @@ class Loop:
         steps: Sequence[Planned],
         settings: Settings,
         progress: Callable[[int, dict], None] | None,
-        stop: Callable[[], bool] | None,
+        limit: Limit,
     ) -> None:
-        self.steps, self.scheduled, self.settings, self.progress = list(steps), len(steps), settings, progress
-        self.limit = Limit(settings.seconds, stop)
+        self.steps, self.scheduled = list(steps), len(steps)
+        self.settings, self.progress, self.limit = settings, progress, limit
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
         self.candidates = Candidates(settings)
