@@ -87,7 +87,7 @@ def test_a_wrong_expectation_fails(folder, monkeypatch):
 
 def test_a_problem_that_is_not_solved_fails(folder, monkeypatch):
     example = EXAMPLES["pendulum"]
-    stopped = Run("pendulum", ("solver.engine=ipopt", "solver.max_iter=1", "mesh.-1.segments=20"), shown=True)
+    stopped = Run("pendulum", ("solver.engine=ipopt", "solver.max_iter=1"), shown=True)
     runs = {"pendulum": example.runs["pendulum"], "pendulum_ipopt": stopped}
     monkeypatch.setitem(EXAMPLES, "pendulum", replace(example, runs=runs))
     run = trajopt("reproduce", "pendulum", "--json")
