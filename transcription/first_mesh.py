@@ -19,6 +19,7 @@ from .settings import Settings
 from .solution.solution import Solution
 from .starts.drawn import drawn_starts, told_of_starts
 from .starts.other import without_effect
+from .starts.worthless import worthless
 
 SECONDS, TIMES = 5.0, 3.0
 """Other starts may take this long together, or this many times as long as the first, whichever is more; so may the
@@ -144,9 +145,15 @@ def _explained(attempt: Attempt, best: Found, seconds: float) -> tuple[Found, bo
 def _doubted(found: Found) -> Found:
     """With a note on what had no effect along the solution: that may be stationary without being an optimum."""
     solution, solved = found
-    idle = without_effect(solution.problem, solution.trajectories) if solution.status.usable else []
-    if not idle:
+    if not solution.status.usable:
         return found
-    names = ", ".join(idle)
-    what = f"{names} has no effect along this solution (df/du = 0), so it may be stationary and no optimum"
-    return replace(solution, notes=(*solution.notes, f"{what}; give another guess of {names}")), solved
+    what = "has no effect along this solution (df/du = 0)"
+    names = without_effect(solution.problem, solution.trajectories)
+    if not names:
+        what = "does nothing along this solution (the Hamiltonian is the same whatever it is)"
+        names = worthless(solution.problem, solution.trajectories, solution.objective)
+    if not names:
+        return found
+    idle = ", ".join(names)
+    note = f"{idle} {what}, so it may be stationary and no optimum; give another guess of {idle}"
+    return replace(solution, notes=(*solution.notes, note)), solved

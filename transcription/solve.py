@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from math import isinf
 
 from ..problems.problem import Curves, Problem
 from .again.loop import Loop
@@ -47,13 +48,14 @@ def solve(
     Raises SpecError, before anything is solved, if the problem cannot be transcribed on a mesh of the schedule; and if
     the engine cannot take its program.
     """
-    steps, began = planned(problem, schedule), time.process_time()
-    solution = Loop(steps, settings, progress, stop).run(Origin(guess, None, near=near))
-    if guess is not None or not wants_more_segments(steps, settings, solution):
+    steps, limit, began = planned(problem, schedule), Limit(settings.seconds, stop), time.process_time()
+    solution = Loop(steps, settings, progress, limit).run(Origin(guess, None, near=near))
+    if guess is not None or limit.reached() or not wants_more_segments(steps, settings, solution):
         return solution
-    limit = Limit(max(SECONDS, TIMES * (time.process_time() - began)), stop, time.process_time)
+    seconds = max(SECONDS, TIMES * (time.process_time() - began))
+    more = Limit(seconds, stop, time.process_time) if isinf(limit.left()) else Limit(min(seconds, limit.left()), stop)
 
     def again(finer: list[Planned]) -> Solution:
-        return Loop(finer, settings, progress, limit.reached).run(Origin(None, None))
+        return Loop(finer, settings, progress, more).run(Origin(None, None))
 
-    return from_more_segments(steps, solution, again, limit)
+    return from_more_segments(steps, solution, again, more)

@@ -90,8 +90,8 @@ def _init(self: Any, /, *values: Any, **named: Any) -> None:
         for name, make in makers.items():
             if name not in own:
                 own[name] = make()
-        twice = named and values and not named.keys().isdisjoint(places[: len(values)])
-        if len(own) != len(names) or len(values) > len(places) or twice:
+        wrong = named and not (named.keys() <= set(names) and named.keys().isdisjoint(places[: len(values)]))
+        if len(own) != len(names) or len(values) > len(places) or wrong:
             told = f"{len(values)} by place, and {', '.join(named) or 'none'} by name"
             raise TypeError(f"{type(self).__qualname__} has the fields {', '.join(names)}; given were {told}")
     if after:

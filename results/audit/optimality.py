@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from ...problems.problem import Phase
 from ...problems.quantities import Function, Range
 from ...transcription.constraint_kinds import INTEGRAL, PATH, RESIDUAL
+from ...transcription.dual.multipliers import Multipliers
 from ...transcription.measured.knots import knots_at, measured_fractions
 from ..file.reload import Reloaded
 from .check import ENGINE, Check, at
@@ -31,7 +33,7 @@ class Hamiltonian:
         self.phase: Phase = self.trajectory.phase
         self.points = self.trajectory.mesh.collocated
         phase, sense = self.phase, result.problem.sense
-        costate = sense * self._costate()
+        costate = sense * self._costate(result, number)
         self.terms = [(row, state.rate) for row, state in zip(costate, phase.states, strict=True)]
         self.terms += [(float(sense), phase.lagrange)] if phase.lagrange else []
         self.constraints: list[tuple[np.ndarray, Function]] = []
@@ -44,12 +46,17 @@ class Hamiltonian:
             if kind is not INTEGRAL:
                 self.equations.append(constraint.bounds.fixed)
 
-    def _costate(self) -> np.ndarray:
-        """lambda at the points, shape (n_x, M); in discrete time that after the step that begins there."""
-        if not self.phase.steps:
-            return self.trajectory.point_costate[:, self.points]
+    def _costate(self, result: Reloaded, number: int) -> np.ndarray:
+        """lambda at the points, shape (n_x, M); in discrete time that after the step that begins there.
+
+        At a knot on which a bound of a state acts over time, both sides have their part of its multiplier.
+        """
         assert self.trajectory.costate is not None
         mesh = self.trajectory.mesh
+        if not self.phase.steps:
+            multipliers = Multipliers(result.transcription, result.nlp, result.outcome)
+            of_bounds = result.problem.sense * multipliers.at_knots(result.transcription.phases[number])
+            return replace(self.trajectory, costate=self.trajectory.costate + of_bounds).point_costate[:, self.points]
         return self.trajectory.costate[:, mesh.offset + mesh.degrees]
 
     def _multipliers(self, result: Reloaded) -> dict:

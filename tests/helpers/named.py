@@ -9,15 +9,11 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.problems.problem import Problem
-from trajopt.results.library.rows import SLOW
 from trajopt.transcription.schemes.scheme import Scheme
 from trajopt.transcription.schemes.table import METHODS, find
 
 ALL = bool(os.environ.get("TRAJOPT_SLOW"))
 """Whether the tests do all that they can, however long it takes."""
-
-SOLVED = [name for name in shipped() if name not in SLOW or ALL]
-"""Shipped problems that the tests solve: those that take long only where TRAJOPT_SLOW is set."""
 
 COLLOCATION = [name for name in METHODS if isinstance(find(name), Scheme)]
 FAMILIES = [name for name, method in METHODS.items() if method.nodes]

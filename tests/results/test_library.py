@@ -1,4 +1,5 @@
-"""`trajopt reproduce library`: the shipped problems beside published values, the kept baseline, and what is worse."""
+"""`trajopt reproduce library`: the shipped problems beside published values, the kept baseline, and what is worse;
+tests/reproduction/library.py solves all of them."""
 
 import json
 from dataclasses import replace
@@ -6,7 +7,6 @@ from html.parser import HTMLParser
 
 import pytest
 from command_line import strict_json, trajopt
-from named import ALL, SOLVED, share
 from repository import ROOT
 
 from trajopt.problems.build import build_all
@@ -20,14 +20,6 @@ from trajopt.results.library.table import cells, library_html, markdown
 from trajopt.transcription.continuation import solve_spec
 
 BASELINE = baseline()
-CHEAP = {
-    *("aly_chan", "batch_reactor", "block_move_min_force", "bolza", "bounce", "bryson_denham", "catalyst_mixing"),
-    *("clamped_beam", "double_integrator_min_time", "fuller", "interior_point", "jacobson_lele", "robbins", "shot_put"),
-    *("singular_double_integrator", "speed_limit"),
-}
-"""Problems that are verified in less than some 2 s."""
-VERIFIED = shipped() if ALL else share(sorted(CHEAP), 2)
-
 HOW = "trajopt reproduce library writes library.md and baseline.json anew"
 
 # -- what is kept ---------------------------------------------------------------------------------------------------
@@ -58,18 +50,6 @@ def test_the_digits_that_are_published_are_ours_or_off():
 def test_every_kept_problem_is_solved_and_agrees_with_its_reference():
     assert [name for name, row in BASELINE.items() if not row.solved or row.holds is False] == []
     assert [name for name, row in BASELINE.items() if not row.difference <= row.tolerance] == []
-
-
-@pytest.mark.parametrize("name", SOLVED)
-def test_a_shipped_problem_ends_as_its_file_and_the_baseline_say(tmp_path, name):
-    """What is better than the baseline fails as well: the page tells what is."""
-    verified = name in VERIFIED
-    row = solve_one(name, tmp_path, verified=verified, finer=False)
-    assert row.solved, row.message
-    assert bool(row.checks) == verified
-    assert row.difference <= row.tolerance, (row.objective, row.reference)
-    assert regressions(BASELINE, [row], finer=False) == []
-    assert regressions({name: row}, [BASELINE[name]]) == [], f"better than in the baseline: {HOW}"
 
 
 @pytest.mark.parametrize("name", ["bryson_denham", "fuller", "speed_limit"])

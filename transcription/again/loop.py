@@ -12,7 +12,7 @@ from ..first_mesh import solve_first_mesh
 from ..one_mesh import Found, Origin, solve_mesh
 from ..pontryagin.needles import Lower, lower_hamiltonian
 from ..refinement.basin import in_vain, left_basin, unmeasurable
-from ..refinement.chatter import Damping, chatter
+from ..refinement.chatter import Damping, chatter, left_alone
 from ..refinement.goal import Goal
 from ..refinement.refine import MERGING_MESHES
 from ..settings import Refine, Settings
@@ -69,10 +69,10 @@ class Loop:
         steps: Sequence[Planned],
         settings: Settings,
         progress: Callable[[int, dict], None] | None,
-        stop: Callable[[], bool] | None,
+        limit: Limit,
     ) -> None:
-        self.steps, self.scheduled, self.settings, self.progress = list(steps), len(steps), settings, progress
-        self.limit = Limit(settings.seconds, stop)
+        self.steps, self.scheduled = list(steps), len(steps)
+        self.settings, self.progress, self.limit = settings, progress, limit
         self.history: list[MeshRecord] = []
         self.last: Found | None = None
         self.candidates = Candidates(settings)
@@ -269,6 +269,8 @@ class Loop:
             gap = allowed_gap(self.settings.refine) * (1 + abs(solution.objective))
             solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
+        if solution.status.usable and not self.settings.refine:
+            notes += tuple(left_alone(solution.trajectories, solved.transcription))
         solution = replace(
             solution,
             meshes=(*self.history[:-1], solution.meshes[-1]),

@@ -48,7 +48,7 @@ def from_more_segments(
             break
         finer = divided(problem, meshes, times)
         other = again([(problem, finer, tolerance)])
-        if limit.reached() or not other.status.usable or other.is_no_trajectory:
+        if not other.status.usable or other.is_no_trajectory:
             tried = (*tried, *other.meshes, *other.discarded)
             continue
         many = sum(mesh.segments for mesh in finer)

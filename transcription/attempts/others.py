@@ -12,8 +12,9 @@ from ..one_mesh import Found
 from ..solution.solution import Solution
 from ..starts.drawn import chosen_parameters, other_parameters
 from ..starts.other import OtherStart, both_sides, other_starts, without_effect
+from ..starts.worthless import worthless
 from ..structure.several import may_have_several
-from ..transcribe import MORE_SEGMENTS, may_be_divided
+from ..transcribe import MORE_SEGMENTS, divided, may_be_divided
 from .attempt import Attempt, better
 from .lasting import run_lasting
 from .segments import ITERATIONS, of_the_mesh
@@ -34,7 +35,7 @@ def from_others(attempt: Attempt, first: Found, limit: Limit) -> Found:
     """
     problem, own = attempt.problem, first[0]
     idle = without_effect(problem, [phase.guess for phase in problem.phases])
-    doubt = _had_no_effect(idle) or (_shrunk(own) or _one_of_many(attempt, first) if own.status.usable else "")
+    doubt = _had_no_effect(idle) or (_stationary(own) or _one_of_many(attempt, first) if own.status.usable else "")
     if (own.status.usable and not doubt) or own.cause_is_known:
         return first
     best, words, tried = first, "", 0
@@ -68,7 +69,8 @@ def _on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | 
         solution, solved = attempt.run(other.guesses, limit, times=times, iterations=ITERATIONS)
         if solution.status.usable:
             told = f"the start of the file failed on {few} segments and on more ({failed[0].status.message})"
-            told += f"; this is the solution from another on {few * times}: {other.words}"
+            many = sum(mesh.segments for mesh in divided(problem, attempt.meshes, times))
+            told += f"; this is the solution from another on {many}: {other.words}"
             return replace(solution, notes=(*solution.notes, told)), solved
     return None
 
@@ -102,6 +104,14 @@ def _stays_better(attempt: Attempt, new: Found, old: Found, limit: Limit) -> boo
 def _had_no_effect(idle: Sequence[str]) -> str:
     """Why a start is doubtful at which these controls do nothing; "" for none."""
     return f"{', '.join(idle)} had no effect at the start of the file" if idle else ""
+
+
+def _stationary(own: Solution) -> str:
+    """Why a solution is doubtful that no control moves in first order, or some do not; "" if it is not."""
+    if shrunk := _shrunk(own):
+        return shrunk
+    names = worthless(own.problem, own.trajectories, own.objective)
+    return f"{', '.join(names)} did nothing along the solution from the start of the file" if names else ""
 
 
 def _shrunk(solution: Solution) -> str:

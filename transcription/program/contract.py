@@ -153,7 +153,8 @@ def callback(method: Callable) -> Callable:
             with np.errstate(all="ignore"):  # what is not finite is raised
                 self.move(z)
                 values = method(self, z, *args)
-            if not _finite(values):
+                finite = _finite(values)
+            if not finite:
                 raise NotFinite(name, self.culprits(name, values))
             return values
         finally:

@@ -150,6 +150,8 @@ class Solution:
     @property
     def remedy(self) -> str:
         """What to do about a failure: the status' advice, but more iterations do not help where the cause is known."""
+        if self.status is Status.STEP_FAILED and self.trouble:
+            return "mend the cause"
         return "mend the cause: more iterations do not help" if self.cause_is_known else self.status.remedy
 
     @property

@@ -35,7 +35,7 @@ REFERENCES = [  # walker, method, segments, objective as printed: half a unit of
 
 
 FEW = [row for row in REFERENCES if row[2] in (5, 25)]
-"""The others are run where TRAJOPT_SLOW is set, and by `trajopt reproduce` in results/test_reproduce."""
+"""The others are run where TRAJOPT_SLOW is set, and by `trajopt reproduce` in reproduction/paper.py."""
 
 
 @pytest.mark.parametrize(("walker", "method", "segments", "printed"), REFERENCES if ALL else FEW)

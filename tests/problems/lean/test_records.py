@@ -108,7 +108,17 @@ def test_one_that_holds_itself_is_told():
 
 @pytest.mark.parametrize(
     ("values", "named"),
-    [((), {}), ((1, 2, 3), {}), ((1,), {"a": 2}), ((1,), {"c": 3}), ((), {"b": 1}), ((1, 2), {"a": 1, "b": 2})],
+    [
+        ((), {}),
+        ((1, 2, 3), {}),
+        ((1,), {"a": 2}),
+        ((1,), {"c": 3}),
+        ((), {"b": 1}),
+        ((1, 2), {"a": 1, "b": 2}),
+        ((), {"c": 3}),
+        ((), {"b": 1, "c": 3}),
+        ((1, 2), {"c": 3}),
+    ],
 )
 def test_wrong_arguments_are_refused_as_by_the_library(values, named):
     for kind in own_and_library({}, frozen=True):

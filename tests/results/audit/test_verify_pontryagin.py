@@ -212,3 +212,27 @@ def test_an_unknown_outside_its_bounds_fails(tmp_path):
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         file["solver/z"][0::4] += 1e-3  # x, y, v, theta at each point
     assert "constraints at the points, relative" in failed(checked(tmp_path / "a.h5", anew=False))
+
+
+CRUISE = """
+time: {initial: 0, final: {lower: 1, upper: 1000, guess: GUESS}}
+states:
+  d: {rate: v, initial: 0, final: FAR}
+  v: {rate: (f - DRAG)/M, initial: 0, lower: 0, upper: FAST}
+  M: {rate: -0.004*f**2, initial: 2}
+controls: {f: {lower: -2, upper: 2}}
+objective: {minimize: {terminal: "t[final]"}}
+refine: {tolerance: 1.0e-6}
+"""
+
+
+@pytest.mark.parametrize(
+    ("far", "guess", "drag", "fast"), [(100, 50, "0.1*v**2", 3), (400, 300, "0.4*v", 1.5), (60, 30, "0.1*v**2", 3)]
+)
+def test_the_slope_at_a_knot_of_an_arc_on_the_bound_of_a_state_is_none_of_its_multiplier(
+    tmp_path, far, guess, drag, fast
+):
+    """On segments of all lengths: the costates of both sides of a knot differ by what the bound does there."""
+    text = CRUISE.replace("FAR", str(far)).replace("GUESS", str(guess)).replace("DRAG", drag).replace("FAST", str(fast))
+    stored(tmp_path / "a.h5", load_text(HEAD + text, "a.yaml"))
+    assert not failed(checked(tmp_path / "a.h5", anew=False))

@@ -1,6 +1,7 @@
 """Compiled templates against Pyomo's own expansion, and what cannot be compiled, on models made by hand."""
 
 import logging
+import warnings
 from math import inf
 
 import numpy as np
@@ -149,6 +150,17 @@ def test_not_finite_names_the_component_and_index(body, z, kind, backend):
         assert set(error.names) - {("cost", 7)} == expected - {("cost", 7)}
         assert "7" in str(error)
     assert np.isfinite(nlp.objective(np.full(11, 0.5)))
+
+
+@pytest.mark.parametrize("size", [1e120, 1e155, 1e300])
+def test_what_is_large_and_finite_is_taken_without_a_warning(size):
+    """Also where the sum of the squares of all values is none: 1e300 squared is infinite."""
+    model = small(lambda m, s: size * m.x[s] == 0)
+    nlp = compile_model(model, [*model.x.values(), model.y])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        values = nlp.constraints(np.ones(nlp.n))
+    assert np.abs(values).max() == pytest.approx(size)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -1,9 +1,15 @@
 """A first mesh without a solution: more segments from the same guess are tried, and told."""
 
 import json
+import time
+from dataclasses import replace
 
 import pytest
 from command_line import trajopt
+
+from trajopt.transcription.loading import build_checked, load_yaml
+from trajopt.transcription.settings import schedule_of, settings_of
+from trajopt.transcription.solve import solve
 
 ALP_RIDER = """
 trajopt: 1
@@ -130,6 +136,40 @@ def test_a_solution_that_is_no_trajectory(folder):
     summary = solved(folder, TREATMENT)
     assert summary["solved"] and summary["objective"] == pytest.approx(29514.4477, abs=0.01)
     assert any("was no trajectory of the dynamics" in note for note in summary["notes"])
+
+
+def test_a_time_limit_is_of_all_that_is_tried():
+    """The refined mesh after 10 segments takes until the limit: nothing is solved on more segments then."""
+    seen, began, seconds = [], time.monotonic(), 3.0
+
+    def late(number, record):
+        seen.append(number)
+        while number and time.monotonic() < began + seconds + 0.1:
+            time.sleep(0.1)
+
+    spec = load_yaml(TREATMENT)
+    settings = replace(settings_of(spec), seconds=seconds)
+    solution = solve(build_checked([spec])[0], schedule_of(spec), settings, progress=late)
+    assert 0 not in seen[seen.index(1) :] if 1 in seen else not solution.solved
+    assert "time limit" in solution.stopped or not solution.solved
+
+
+def test_what_more_segments_led_to_is_kept_when_interrupted():
+    """On 10 segments, on the meshes after it, on 20 from the start, and then interrupted on the next mesh."""
+    rounds = [[0]]
+
+    def watched(number, record):
+        if number < rounds[-1][-1]:
+            rounds.append([])
+        rounds[-1].append(number)
+
+    spec = load_yaml(TREATMENT)
+    solution = solve(
+        build_checked([spec])[0], schedule_of(spec), settings_of(spec),
+        progress=watched, stop=lambda: len(rounds) > 1 and 1 in rounds[-1],
+    )  # fmt: skip
+    assert solution.solved and not solution.is_no_trajectory and "interrupted" in solution.stopped
+    assert solution.objective == pytest.approx(29514.4477, rel=1e-2)
 
 
 WASHOUT = """
