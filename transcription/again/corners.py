@@ -34,6 +34,9 @@ from ..solution.lagrangian import PhaseLagrangian, Samples
 from ..starts.settled import has_moving
 from ..transcribe import Planned, program
 
+MOVED = "controls jumped where the Hamiltonian is not the same before and after; such jumps were moved to where it is"
+
+WORTH_IT = 0.01  # of the error bar: what the next step has to gain
 MOST, FEW = 20, 100  # meshes with moved knots, and iterations of each
 LONGEST = 4.0  # a step of the secant, in steps before it
 A_LITTLE = 0.01  # of the phase: the first step at least
@@ -70,18 +73,18 @@ class Move:
 
 
 @np.errstate(all="ignore")
-def at_corners(step: Planned, settings: Settings, found: Found, least: float, watch: Watch) -> Found | None:
+def at_corners(step: Planned, settings: Settings, found: Found, watch: Watch) -> Found | None:
     """The solution on knots that are moved with the jumps of controls; None if that is no better.
 
     step, settings: of the solve.
-    found: what it led to, with costates.
-    least: of the objective, that is worth a move.
+    found: what it led to.
     watch: who looks on.
     """
-    problem, runs = step[0], _runs(found)
+    problem, runs, bar = step[0], _runs(found), found[0].objective_error
     aligned = has_moving(problem) or any(len(measured_fractions(phase)) for phase in problem.phases)
-    if not runs or aligned or settings.engine != "ipopt":
+    if not runs or not bar.applies or aligned or settings.engine != "ipopt":
         return None
+    least = WORTH_IT * bar.bar
     best = last = found
     before, now = dict[Run, Jump](), _jumps(found, runs)
     limit, few = Limit(None, watch.stop), settings.within(FEW)

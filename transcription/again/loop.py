@@ -19,7 +19,7 @@ from ..settings import Refine, Settings
 from ..solution.solution import MeshRecord, Solution, with_error_bar
 from ..transcribe import Planned, refused
 from .completed import completed
-from .corners import at_corners
+from .corners import MOVED, at_corners
 from .kept import Candidates, Kept
 from .next_mesh import FIRST, accuracy, allowed_gap, asked_of_engine, meets_first, next_solve
 from .same_mesh import SLOW, from_coarser, from_lower, sharpened, with_damping, with_short_turns
@@ -36,11 +36,6 @@ UNMINIMISED = (
     "this solution is stationary, and no minimum; another guess of the controls may lead to a better one, or a control "
     "that switches ever faster (chattering), which no mesh holds"
 )
-
-OF_CORNERS = 0.01
-"""Of the error bar: what moving the jumps of controls has to gain."""
-
-MOVED = "controls jumped where the Hamiltonian is not the same before and after; such jumps were moved to where it is"
 
 DAMPING_SHARE = 0.1
 """Of the accuracy that is asked for, relative to 1 + |J|: what the damping of controls that chatter may be worth."""
@@ -163,10 +158,9 @@ class Loop:
 
     def _at_corners(self, number: int, found: Found) -> Found | None:
         """The solution with jumps of controls where the Hamiltonian does not jump; None if that is no better."""
-        bar = found[0].objective_error
-        if not self.settings.refine or not bar.applies or self.lowered == self.most_lowered:
+        if not self.settings.refine or self.lowered == self.most_lowered:
             return None
-        moved = at_corners(self.steps[number], self._settings(number), found, OF_CORNERS * bar.bar, self._watch())
+        moved = at_corners(self.steps[number], self._settings(number), found, self._watch())
         if moved:
             self.lowered += 1
             self.notes = tuple(dict.fromkeys((*self.notes, MOVED)))
