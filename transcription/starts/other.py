@@ -244,7 +244,7 @@ def without_effect(problem: Problem, guesses: Sequence[Curves]) -> list[str]:
         f"{control.name} of phase {phase.name}" if several else control.name
         for phase, guess in zip(problem.phases, guesses, strict=True)
         for control in phase.controls
-        if not phase.algebraic and _without_effect(phase, guess, control.name)
+        if not (phase.algebraic or control.bounds.fixed) and _without_effect(phase, guess, control.name)
     ]
 
 
