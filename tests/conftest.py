@@ -35,6 +35,11 @@ if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+def pytest_collectstart():
+    """Pyomo as trajopt loads it: where a test file is the first to do so, it brings all of SciPy's statistics."""
+    import trajopt.transcription.libraries.pyomo  # noqa: F401
+
+
 def pytest_collection_finish():
     """Seven thousand tests are no garbage, and need not be searched for it each time that there might be some."""
     gc.freeze()

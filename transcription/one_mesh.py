@@ -19,7 +19,6 @@ from .engines.watch import Watch
 from .failure.diagnose import diagnose
 from .failure.unlimited import shrinks_away
 from .layout import Transcription, bounded_start
-from .libraries.alone import building
 from .measured.knots import measured_fractions, with_knots
 from .program.contract import NonlinearProgram
 from .refinement.chatter import UNDAMPED, Damping
@@ -122,10 +121,9 @@ def _run(
     problem: Problem, meshes: Sequence[Mesh], *, tolerance: float, settings: Settings, start: Origin, watch: Watch
 ) -> Found:
     clock = [time.perf_counter()]
-    with building():
-        transcription, nlp, built = program(problem, meshes, start.guess)
-        clock += [built, time.perf_counter()]
-        z, lower, upper = bounded_start(transcription)
+    transcription, nlp, built = program(problem, meshes, start.guess)
+    clock += [built, time.perf_counter()]
+    z, lower, upper = bounded_start(transcription)
     before = start.solved
     multipliers = warm_start(before, transcription, nlp) if before and before.has_densities(transcription) else None
     options = {"tol": tolerance, **settings.options}

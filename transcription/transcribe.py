@@ -21,6 +21,7 @@ from .collocation.refused import refused_by_collocation, refused_by_differences
 from .dual.end_masses import without_end_masses
 from .engines.outcome import Outcome
 from .layout import Transcription
+from .libraries.alone import building
 from .measured.program import with_residuals
 from .method_kind import MethodKind, Numbers, Program
 from .program.contract import NonlinearProgram
@@ -110,6 +111,7 @@ def _joined() -> MethodKind:
     return MethodKind(_nothing_refused, transcribe_parts, JoinedNLP, costates_of, _own_numbers)
 
 
+@building()
 def transcribe(
     problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None, templates: bool = True
 ) -> Transcription:
@@ -132,11 +134,13 @@ def _kind_of(transcription: Transcription) -> MethodKind:
     return _kind_of_all(transcription.problem, [layout.mesh for layout in transcription.phases])
 
 
+@building()
 def compiled(transcription: Transcription) -> NonlinearProgram:
     """The nonlinear program of a transcription."""
     return with_residuals(transcription, _kind_of(transcription).compiled(transcription))
 
 
+@building()
 def program(problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None = None) -> Program:
     """The transcription of a problem and its nonlinear program, as of `transcribe` and `compiled`.
 
@@ -174,6 +178,7 @@ def with_costates(
     return tuple(replace(own, costate=costate) for own, costate in zip(trajectories, found, strict=True))
 
 
+@building()
 def numbers_of(transcription: Transcription, nlp: NonlinearProgram) -> Numbers:
     """What a program reads beside its unknowns: given times, and the parameters of the file that are data in it.
 

@@ -64,9 +64,13 @@ def measurement_warnings(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 
     spec, symbols: of the phase.
     """
+    of_file: dict[str, set[str]] = {}  # several entries may share one
+    for entry in spec.measurements.values():
+        of_file.setdefault(entry.source, set()).update(compared(entry, symbols), _named(entry))
     for name, entry in spec.measurements.items():
         path = _place(entry, ("measurements", name))
-        used = {TIME, *compared(entry, symbols), *_named(entry)}
+        elsewhere = of_file[entry.source] if entry.source else ()
+        used = {TIME, *compared(entry, symbols), *_named(entry), *elsewhere}
         others = [column for column in entry.data if column not in used]
         if others:
             known = [state.name for state in symbols.states]

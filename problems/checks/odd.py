@@ -29,16 +29,23 @@ def odd(spec: Spec, symbols: Symbols) -> Iterator[Finding]:
 
 def _moves_nothing(symbols: Symbols) -> Iterator[Finding]:
     """Controls that stand in the objective at most."""
-    named, used = set[str](), set[str]()
-    for use in symbols.uses:
-        names = {leaf.name for part in symbols.function(use.expression).parts for leaf in part.leaves}
-        used |= names
-        if use.path[0] in ("states", "residuals", "constraints"):
-            named |= names
+    used = _names_in((use.expression for use in symbols.uses), symbols)
+    moving = (use.expression for use in symbols.uses if use.path[0] in ("states", "residuals", "constraints"))
+    named = _names_in(moving, symbols)
     for control in symbols.controls:
         if control.name in used - named:
             what = f"the control {control.name} stands in no rate, so it moves nothing"
             yield Finding(control.path, what, f"use {control.name} in the rate of a state, or remove it")
+
+
+def _names_in(expressions: Iterable[Expression], symbols: Symbols) -> set[str]:
+    """All names in expressions, and in the definitions that these need."""
+    found, waiting = set[str](), list(expressions)
+    while waiting:
+        new = {leaf.name for leaf in waiting.pop().leaves} - found
+        found |= new
+        waiting += [symbols.definitions[name] for name in new if name in symbols.definitions]
+    return found
 
 
 def _unreachable(spec: Spec, symbols: Symbols) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from ..expressions.expression import Expression
 from ..expressions.functions import is_inconsistent
 from ..expressions.signature import name_trouble
-from ..expressions.tree import Lookup, Operation
+from ..expressions.tree import Lookup, Operation, skeleton
 from ..language.functions import called_functions
 from ..language.plain import shared_in_plain
 from ..names.symbols import Symbols
@@ -106,6 +106,22 @@ def _structure(spec: Spec) -> Iterator[Finding]:
             if link.expression is None and not link.apart and name not in names:
                 remedy = did_you_mean(name, names, f"the phases are {', '.join(names)}")
                 yield Finding(("links", i, key), f'there is no phase "{name}"', remedy)
+    yield from _said_twice(spec)
+
+
+def _said_twice(spec: Spec) -> Iterator[Finding]:
+    """Links that say of two phases, or of an expression, what another has said."""
+    said: dict[object, int] = {}
+    for i, link in enumerate(spec.links):
+        formulas = (link.expression, link.lower, link.upper, link.equals)
+        own = link.source, link.target, *(formula and skeleton(formula.root) for formula in formulas)
+        if link.apart or (first := said.setdefault(own, i)) == i:
+            continue
+        if link.expression is None:
+            what = f"links.{first} has said that {link.target} goes on from {link.source}"
+            yield Finding(("links", i), what, "keep one of the two, with all that jumps under except: of it")
+        else:
+            yield Finding(("links", i), f"links.{first} says this already", "keep one of the two")
 
 
 def _waypoints(spec: Spec) -> Iterator[Finding]:

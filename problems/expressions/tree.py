@@ -77,6 +77,13 @@ class OperatorChain(Node):
     links: tuple[Link, ...]
 
 
+@dataclass(frozen=True)
+class Written(OperatorChain):
+    """What a call of a function of the file was written out to: a chain without links; `function` is its key."""
+
+    function: str
+
+
 def parse_tree(text: str, called: Collection[str] = ()) -> Node:
     """The tree of a tidy text.
 

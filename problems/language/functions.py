@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.signature import Signature, signature
-from ..expressions.tree import Link, Lookup, Name, Node, OperatorChain, below, leaves, nodes, placed, rebuilt
+from ..expressions.tree import Link, Lookup, Name, Node, OperatorChain, Written, below, leaves, nodes, placed, rebuilt
 from ..lean.records import dataclass
 from ..names.circles import untangle
 from ..names.symbols import UNKNOWN
@@ -44,16 +44,17 @@ def declared(spec: Spec) -> dict[str, DeclaredFunction]:
     return {own.name: DeclaredFunction(key, own, body) for key, own, body in found if own}
 
 
-def without_functions(spec: Spec) -> tuple[Spec, list[Finding]]:
+def without_functions(spec: Spec, marked: bool = False) -> tuple[Spec, list[Finding]]:
     """The spec without calls of functions, and what is wrong with those that it had.
 
     spec: of a file or of one phase. Its functions stay under their keys, for checks of the names in their bodies; each
     argument is something unknown there. So is a mistaken call.
+    marked: whether what is written out says of which function it is (`tree.Written`).
     """
     own = declared(spec)
     if not own:
         return spec, []
-    writer = _Writer(spec, own)
+    writer = _Writer(spec, own, marked)
     return changed(spec, writer.expression), writer.findings
 
 
@@ -84,8 +85,8 @@ class _Mistaken(Exception):  # noqa: N818 - it ends the writing of one expressio
 class _Writer:
     """Writes calls out; `findings` are the mistakes in them, each at the expression where it stands."""
 
-    def __init__(self, spec: Spec, own: Mapping[str, DeclaredFunction]):
-        self.spec, self.declared = spec, own
+    def __init__(self, spec: Spec, own: Mapping[str, DeclaredFunction], marked: bool):
+        self.spec, self.declared, self.marked = spec, own, marked
         self.findings: list[Finding] = []
         self.bodies: dict[str, _Body] = {}
         self.varying = _varying(spec)
@@ -170,7 +171,9 @@ class _Writer:
         depth = body.depth + max(tree.depth for tree in given)
         self._within(node, _Tree(node, size, depth))
         root = self._at_end(node, body.root, by_name)
-        root = placed(root, node.start, node.stop)
+        span = node.start, node.stop
+        root = Written(*span, root, (), body.declared.key) if self.marked else root
+        root = placed(root, *span)
         return _Tree(_substituted(root, {name: tree.root for name, tree in by_name.items()}), size, depth)
 
     def _at_end(self, node: Lookup, body: Node, given: Mapping[str, _Tree]) -> Node:

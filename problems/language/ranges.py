@@ -20,6 +20,7 @@ Values = Mapping[str, int | str]
 BRACES = re.compile(r"\{([^{}]*)\}")
 NAME = re.compile(r"[A-Za-z_]\w*")
 _LOOP = re.compile(r"\s*([A-Za-z]\w*)\s+in\s+(.+?)\s*")
+_BETWEEN = re.compile(r"\s*,\s*(?=[A-Za-z]\w*\s+in\s)")
 _WORD = re.compile(r"\w+")
 
 
@@ -48,6 +49,8 @@ def pairs(loop: Any, values: Values, numbers: Values) -> Iterator[tuple[str, int
     values: of the variables of loops around it.
     numbers: parameters that are whole numbers.
     """
+    if isinstance(loop, str) and (several := _in_one_text(loop)):
+        raise Mistaken(f'"{brief(loop)}" is one text', f"write for: {several}, without quotes")
     match = _LOOP.fullmatch(loop) if isinstance(loop, str) else None
     if match is None:
         what = f"{in_words(loop)} says not what is repeated"
@@ -69,6 +72,16 @@ def pairs(loop: Any, values: Values, numbers: Values) -> Iterator[tuple[str, int
             what = f'"{brief(over)}" is neither a range nor a list of words'
             raise Mistaken(what, "write two ends, 1..20, or words with commas between them")
         yield name, int(word) if word.isdigit() else word
+
+
+def _in_one_text(loop: str) -> str:
+    """The loops of a text with brackets around it, or with several in it, as a file writes them; "" for other texts."""
+    inside = loop.strip()
+    bracketed = inside.startswith("[") and inside.endswith("]")
+    loops = _BETWEEN.split(inside[1:-1] if bracketed else inside)
+    if not (bracketed or len(loops) > 1) or not all(map(_LOOP.fullmatch, loops)):
+        return ""
+    return f"[{', '.join(own.strip() for own in loops)}]" if len(loops) > 1 else loops[0].strip()
 
 
 def braces_filled(text: str, values: Values, numbers: Values, of_all: bool = True) -> str:

@@ -49,11 +49,21 @@ def phase_specs(spec: Spec) -> dict[str, Spec]:
     for known in _latest:
         if known.spec() is spec:
             return {name: spec if phase is None else phase for name, phase in known.phases.items()}
-    own = phases_as_written(spec)
-    phases = {name: in_plain(phase, f"_of_{name}" if len(own) > 1 else "")[0] for name, phase in own.items()}
+    phases = phases_in_plain(spec)
     kept = {name: None if phase is spec else phase for name, phase in phases.items()}
     _latest[:] = [_Known(ref(spec, lambda _: _latest.clear()), kept)]
     return phases
+
+
+def phases_in_plain(spec: Spec, marked: bool = False) -> dict[str, Spec]:
+    """`phase_specs`, made anew.
+
+    spec: of the file.
+    marked: see `language.plain.in_plain`.
+    """
+    own = phases_as_written(spec)
+    suffixes = {name: f"_of_{name}" if len(own) > 1 else "" for name in own}
+    return {name: in_plain(phase, suffixes[name], marked)[0] for name, phase in own.items()}
 
 
 def phases_as_written(spec: Spec) -> dict[str, Spec]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ..expressions.tree import Name
-from ..phases.merge import home, phase_specs
+from ..language.plain import shared_in_plain
+from ..phases.merge import home, phases_in_plain
 from ..phases.order import expression_links, passages
 from ..schema.phases import LinkEntry
 from ..schema.sections import ConstraintEntry
@@ -26,13 +27,13 @@ def check_units(spec: Spec) -> tuple[list[Finding], list[Finding]]:
     """
     if spec.units == "off" or not _has_units(spec):
         return [], []
-    phases = {name: PhaseUnits(own) for name, own in phase_specs(spec).items()}
+    phases = {name: PhaseUnits(own) for name, own in phases_in_plain(spec, marked=True).items()}
     terms = [term._replace(path=home(spec, name, term.path)) for name, own in phases.items() for term in own.check()]
     told = {name: in_chain(own.spec, own, own.findings) for name, own in phases.items()}
     errors = [f._replace(path=home(spec, name, f.path)) for name, own in told.items() for f in own]
     unknown = {home(spec, name, path): text for name, own in phases.items() for path, text in own.unknown.items()}
     if len(phases) > 1:
-        across = _Across(spec, phases)
+        across = _Across(shared_in_plain(spec, marked=True)[0], phases)
         terms += across.check()
         errors += [*across.reader.findings, *_passages(spec, phases)]
     errors += _objective(terms)
@@ -56,7 +57,8 @@ class _Across:
         self.spec, self.phases = spec, phases
         self.shared = PhaseUnits(spec)
         symbols = self.shared.symbols
-        self.reader = Reader(self._of, self.shared.reader.tables, symbols.constant_value, symbols.is_constant)
+        shared = self.shared.reader
+        self.reader = Reader(self._of, shared.tables, shared.functions, symbols.constant_value, symbols.is_constant)
 
     def check(self) -> list[TermUnit]:
         """Look at everything. Returns the term of the objective that is of the whole trajectory."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from ..expressions.expression import Expression
 from ..expressions.functions import FUNCTIONS, OfUnits
-from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain
+from ..expressions.tree import Lookup, Name, Node, Number, Operation, OperatorChain, Written
 from ..text import shorten
 from ..yaml.document import Path
 from ..yaml.locations import Finding
@@ -46,7 +46,8 @@ class Tables(NamedTuple):
 class Reader:
     """Reads units off expressions.
 
-    names: the unit of a name. tables: those of data. constant: the value of a tree of parameters, None for others and
+    names: the unit of a name. tables: those of data. functions: key of each function of the file -> the unit that it is
+    said to have. constant: the value of a tree of parameters, None for others and
     for what is not known. fixed: whether a tree is of parameters alone.
     """
 
@@ -54,10 +55,11 @@ class Reader:
         self,
         names: Callable[[Name], Value],
         tables: Mapping[str, Tables],
+        functions: Mapping[str, Value],
         constant: Callable[[Node], float | None],
         fixed: Callable[[Node], bool],
     ):
-        self.names, self.tables, self.constant, self.fixed = names, tables, constant, fixed
+        self.names, self.tables, self.functions, self.constant, self.fixed = names, tables, functions, constant, fixed
         self.findings: list[Finding] = []
 
     def read(self, path: Path, expression: Expression) -> Value:
@@ -98,6 +100,16 @@ class Reader:
         """
         self.add(path, what, mended(given, wanted))
 
+    def once(self, path: Path, what: str, remedy: str) -> None:
+        """Add a finding, the first one at its path: what a function is wrong with, it is at each of its calls.
+
+        path: of what is wrong.
+        what: is wrong.
+        remedy: for it.
+        """
+        if all(own.path != path for own in self.findings):
+            self.add(path, what, remedy)
+
     def add(self, path: Path, what: str, remedy: str) -> None:
         """Add a finding.
 
@@ -122,6 +134,8 @@ class _Walk:
                 value = Literal(small or number == math.pi)
             case Name():
                 value = self.reader.names(node)
+            case Written():
+                value = self.called(node)
             case OperatorChain():
                 value = self.chain(node)
             case Operation(symbol="**"):
@@ -142,6 +156,16 @@ class _Walk:
                 value = _product(value, other, link.symbol == "/")
             left = link
         return value
+
+    def called(self, node: Written) -> Value:
+        """The unit that a function of the file is said to have, else the one that follows from its arguments."""
+        value, declared = self.visit(node.first), self.reader.functions.get(node.function)
+        if not isinstance(declared, Measure):
+            return value
+        if isinstance(value, Measure) and not same(value, declared):
+            what = f"{node.function} is said to be {declared.told}, and {self.quoted(node)} is {value.told}"
+            self.reader.once(("expressions", node.function), what, mended(value, declared))
+        return declared
 
     def sum(self, a: Value, b: Value, left: Node, right: Node) -> Value:
         """The unit of two values that are added, subtracted or compared."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ..expressions.delays import delay_of
 from ..expressions.expression import parse
+from ..expressions.signature import signature
 from ..expressions.tree import rate_of
 from ..names.occurrences import constraints
 from ..names.symbols import Symbols
@@ -41,9 +42,10 @@ class PhaseUnits:
         # Discrete time numbers the steps.
         self.time = pure() if spec.discrete else self.unit(("time", "unit"), spec.time.unit)
         tables = {name: self._table(name) for name in spec.tables}
-        symbols = self.symbols
-        self.reader = Reader(lambda name: self.of(name.name), tables, symbols.constant_value, symbols.is_constant)
         self.declared = self._declared()
+        functions = {key: self.declared[key] for key in spec.expressions if signature(key) and key in self.declared}
+        constant, fixed = self.symbols.constant_value, self.symbols.is_constant
+        self.reader = Reader(lambda name: self.of(name.name), tables, functions, constant, fixed)
 
     @property
     def findings(self) -> list[Finding]:

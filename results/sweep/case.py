@@ -177,15 +177,17 @@ def _solved(task: Task) -> Answer:
 
 
 def _tried(task: Task, spec: Spec, problems: list[Problem]) -> tuple[Solution, str]:
-    """The solution, and what it was started from, in words: the neighbour, else the guess of the file."""
+    """The solution, and what it was started from, in words: what is foretold, the neighbour as it is, else the guess of
+    the file."""
     if task.origin:
         neighbour, left = task.origin
-        left = left.ahead(*task.line) if task.line else left
-        phases, curves = problems[0].phases, left.curves
-        guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
-        solution = solve_spec(spec, problems, guess=guess, near=left.near, stop=_stop)
-        if solution.solved or _stop():
-            return solution, f"case {neighbour}"
+        ahead, phases = left.ahead(*task.line) if task.line else left, problems[0].phases
+        for own in (left,) if ahead is left else (ahead, left):
+            curves = own.curves
+            guess = [adapted(curves[phase.name], phase) if phase.name in curves else phase.guess for phase in phases]
+            solution = solve_spec(spec, problems, guess=guess, near=own.near, stop=_stop)
+            if solution.solved or _stop():
+                return solution, f"case {neighbour}"
     return solve_spec(spec, problems, stop=_stop), "guess"
 
 

@@ -35,6 +35,11 @@ LOOPS = [
     loop("a loop that is too long", "i in 1..10**6", "this makes more than 10000 entries"),
     loop("a variable that is a parameter", "m in 1..2", "m is a parameter already; give the variable another name"),
     loop("a variable twice", "[i in 1..2, i in 1..2]", "i is the variable of another loop already"),
+    loop(
+        "loops in quotes", '"[i in 1..2, k in 1..2]"', "is one text; write for: [i in 1..2, k in 1..2], without quotes"
+    ),
+    loop("one loop in quotes and brackets", "'[i in 1..2]'", "write for: i in 1..2, without quotes"),
+    loop("loops in quotes without brackets", '"i in 1..2, k in 1..2"', "write for: [i in 1..2, k in 1..2], without"),
     loop("neither a range nor words", "i in 1:2", "is neither a range nor a list of words"),
     edit("a key without the variable", "w{i}: {for", "w: {for", "controls.w", '"w" is the same for all'),
     part("an index that nobody knows", "part{i}", "u*{j}", "j is no var"),

@@ -124,6 +124,21 @@ PHASES = [
         "crossed bounds of a link", "equals: -case", "lower: 2, upper: 1", "links.1.lower", "lower 2 is above upper 1"
     ),
     edit("a link of both kinds", "name: drop,", "name: drop, from: first,", "links.1", "keep one"),
+    edit(
+        "a passage said twice",
+        "  - {name: drop,",
+        "  - {from: first, to: second}\n  - {name: drop,",
+        "links.1",
+        "links.0 has said that second goes on from first; keep one of the two, with all that jumps under except: of it",
+    ),
+    edit(
+        "a link said twice",
+        "  - {name: drop,",
+        '  - {expression: "second.m[initial]-first.m[final]", equals: (-case)}\n  - {name: drop,',
+        "links.2",
+        "links.1 says this already; keep one of the two",
+        line=22,
+    ),
     edit("a misspelt key of a link", "name: drop,", "nmae: drop,", "links.1.nmae", "did you mean name?"),
     edit("a bad name of a link", "name: drop,", "name: 'a/b',", "links.1.name", "use letters, digits"),
     edit("a bound that varies", "equals: -case", "equals: 'first.m[final]'", "links.1.equals", "must be known before"),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from named import ALL, share
 
+import trajopt
 from trajopt.problems.build import build_all
 from trajopt.problems.catalog import find_problem
 from trajopt.problems.load import load
@@ -67,3 +68,41 @@ def test_a_model_that_fails_leaves_the_others_alone(_):
     assert failed.is_set()
     for z in results[::2]:
         np.testing.assert_array_equal(z, alone)
+
+
+GIVEN = """
+trajopt: 1
+name: thrown against a drag
+parameters: {n: 2, c: 0}
+time: {initial: 0, final: 1}
+states: {x: {rate: v, initial: 0, final: 1}, v: {rate: u - c*v**n, initial: 0}}
+controls: {u: {}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: radau, segments: 4}]
+"""
+
+
+@pytest.mark.parametrize("change", [{}, {"parameters.n": 1}, {"mesh.0.method": "trapezoid", "parameters.c": 1}])
+def test_sensitivities_wait_for_a_model_that_another_thread_builds(change):
+    """While Pyomo makes a template in one thread, Sets have placeholders for members in all. A zero and an exponent are
+    numbers in the program of a solve, and data in one that is built when sensitivities are asked for."""
+    solution, inside, done = trajopt.solve(trajopt.load(GIVEN, change)), threading.Event(), threading.Event()
+
+    def slow(values, functions):
+        if hasattr(values["u"], "is_expression_type") and not inside.is_set():  # Pyomo asks, for the template
+            inside.set()
+            done.wait(3)
+        return values["u"] ** 2
+
+    spec = load(find_problem("cartpole"))
+    (problem,) = build_all(spec)
+    phase = problem.phases[0]
+    own = type(problem)(problem.name, 1, (type(phase)(**{**vars(phase), "lagrange": slow}),))
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(solve, own, steps(spec.mesh), settings_of(spec))
+        assert inside.wait(60)
+        second = pool.submit(lambda: dict(solution.sensitivities))
+        second.add_done_callback(lambda _: done.set())
+        assert first.result().solved and second.result() == dict(
+            trajopt.solve(trajopt.load(GIVEN, change)).sensitivities
+        )

@@ -12,7 +12,7 @@ from ..first_mesh import solve_first_mesh
 from ..one_mesh import Found, Origin, solve_mesh
 from ..pontryagin.needles import Lower, lower_hamiltonian
 from ..refinement.basin import STANDING, in_vain, left_basin, unmeasurable
-from ..refinement.chatter import Damping, chatter
+from ..refinement.chatter import Damping, chatter, left_alone
 from ..refinement.goal import Goal
 from ..refinement.refine import MERGING_MESHES
 from ..settings import Refine, Settings
@@ -264,6 +264,8 @@ class Loop:
             gap = allowed_gap(self.settings.refine) * (1 + abs(solution.objective))
             solution, solved = tightened(self.last, self.settings, gap, self._watch())
         notes = (*self.notes, *solved.damping.told(solution.trajectories, solved.worth))
+        if solution.status.usable and not self.settings.refine:
+            notes += tuple(left_alone(solution.trajectories, solved.transcription))
         solution = replace(
             solution,
             meshes=(*self.history[:-1], solution.meshes[-1]),

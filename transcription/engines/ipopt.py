@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -150,15 +151,17 @@ def check_options(options: Mapping[str, object]) -> list[Mistake]:
         options = _with_library(options)
     except SpecError as error:
         return list(error.mistakes)
-    problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
-    _silence(problem)
+    listener = _listener(load_library())
     mistakes = []
     for name, value in options.items():
-        if not _accepts(problem, name, value):
+        if not _accepts(listener, name, value):
             known = () if name in FREQUENT_OPTIONS else FREQUENT_OPTIONS  # then it is the value
             remedy = did_you_mean(name, known, otherwise="IPOPT's documentation lists its options and their values")
             mistakes.append(Mistake(f"solver.{name}", f"IPOPT does not take {name} = {value!r}", remedy))
-    return mistakes or [Mistake(f"solver.{name}", *told) for name, told in missing_libraries(options, problem).items()]
+    if mistakes:
+        return mistakes
+    missing = missing_libraries(options, partial(_silent_problem, options))
+    return [Mistake(f"solver.{name}", *told) for name, told in missing.items()]
 
 
 def _with_library(options: Mapping[str, object]) -> dict[str, object]:
@@ -168,14 +171,24 @@ def _with_library(options: Mapping[str, object]) -> dict[str, object]:
     return {name: value for name, value in options.items() if name != OPTION}
 
 
-def _silence(problem: Any) -> None:
-    """Keep IPOPT from printing its own, longer words for an option that it refuses.
+@cache
+def _listener(library: Any) -> Any:
+    """The problem that is asked whether a library takes an option; it is not solved with what it takes."""
+    return _silent_problem({})
 
-    It obeys the print level only from its first solve on; that of a problem of one unknown takes 3 ms.
+
+def _silent_problem(options: Mapping[str, object]) -> Any:
+    """A problem of one unknown with these options. IPOPT prints no words of its own about one that it refuses.
+
+    It obeys the print level only from its first solve on, which takes 3 ms.
     """
+    problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
     problem.add_option("print_level", 0)
     problem.add_option("sb", "yes")
     problem.solve(np.array([0.5]))
+    for name, value in options.items():
+        _accepts(problem, name, value)
+    return problem
 
 
 def _problem(**definition: Any) -> Any:
@@ -208,11 +221,8 @@ def _accepts(problem: Any, name: str, value: object) -> bool:
 
 def _learn_reals(options: Mapping[str, object]) -> None:
     """Find out which whole numbers are of options that take real ones, where IPOPT prints nothing of its own."""
-    if unknown := [name for name, value in options.items() if isinstance(value, int) and name not in _WHOLE | _REAL]:
-        problem = _problem(n=1, m=0, problem_obj=_Nothing(), lb=[0.0], ub=[1.0], cl=[], cu=[])
-        _silence(problem)
-        for name in unknown:
-            _accepts(problem, name, options[name])
+    for name in [name for name, value in options.items() if isinstance(value, int) and name not in _WHOLE | _REAL]:
+        _accepts(_listener(load_library()), name, options[name])
 
 
 class _Nothing:

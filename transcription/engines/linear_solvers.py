@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,15 +23,15 @@ _NEEDED = {"ma97": "ma97_default_control_d"}
 """Solver -> a function of its library without which IPOPT 3.14.11 crashes, and does not say that it is missing."""
 
 
-def missing_libraries(options: Mapping[str, object], problem: Any) -> dict[str, tuple[str, str]]:
+def missing_libraries(options: Mapping[str, object], problem: Callable[[], Any]) -> dict[str, tuple[str, str]]:
     """Options that name a library that IPOPT cannot load -> what is wrong, and the remedy.
 
     options: of IPOPT, as it takes them.
-    problem: one of cyipopt with a single unknown, which has these options; it is solved.
+    problem: makes one of cyipopt with a single unknown, which has these options; it is solved.
     """
     known = {name.lower().rpartition(".")[2]: (name, str(value).lower()) for name, value in options.items()}
     asked = {key: known[key] for key, (own, *_) in _LOADED.items() if key in known and known[key][1] not in own}
-    if not asked or not (_crashes(known) or _refuses(problem)):
+    if not asked or not (_crashes(known) or _refuses(problem())):
         return {}
     return {name: (_LOADED[key][1].format(value), _LOADED[key][2]) for key, (name, value) in asked.items()}
 

@@ -22,7 +22,6 @@ from ...problems.quantities import Range
 from ..engines.ipopt import solve_program
 from ..engines.outcome import Outcome
 from ..layout import Transcription, bounded_start
-from ..libraries.alone import building
 from ..program.contract import NonlinearProgram
 from ..schemes.mesh import Mesh
 from ..solution.trajectory import Trajectory, trajectories
@@ -141,8 +140,7 @@ def _feasible(
     problem: Problem, meshes: Sequence[Mesh], guess: Sequence[Curves] | None, stop: Callable[[], bool] | None
 ) -> tuple[Trajectory, ...] | None:
     """Trajectories that satisfy everything, as the engine finds them with all constraints held and no objective."""
-    with building():
-        transcription, nlp, _ = program(problem, meshes, guess)
+    transcription, nlp, _ = program(problem, meshes, guess)
     z = bounded_start(transcription)[0]
     found = _solved(transcription, nlp, [], z, np.zeros(0), stop)
     return found.curves if found.usable else None
@@ -202,8 +200,7 @@ class _Search:
     ) -> None:
         loosened = replace(problem, phases=tuple(map(_with_free_times, problem.phases)))
         others = [other.guesses for other in other_starts(loosened, doubtful=False)]
-        with building():
-            first, *rest = [program(loosened, meshes, own) for own in (guess, *others)]
+        first, *rest = [program(loosened, meshes, own) for own in (guess, *others)]
         self.transcription, self.nlp, self.stop = first.transcription, first.nlp, stop
         self.soft = list(soft_constraints(problem, self.transcription, self.nlp))
         self.origins = [bounded_start(own.transcription)[0] for own in (first, *rest)]

@@ -57,6 +57,15 @@ class Rough:
     end: float
     span: float
 
+    def told(self, trajectories: Sequence[Trajectory]) -> str:
+        """Where it chatters, in words.
+
+        trajectories: of the solution, one for each phase.
+        """
+        times = next(own.times for own in trajectories if own.phase.name == self.phase)
+        start, end = (times[0] + s * np.ptp(times) for s in (self.start, self.end))
+        return f"{self.control}{of_phase(self.phase)} is hardly determined within t = {start:.4g} to {end:.4g}"
+
 
 @short_repr
 @dataclass(frozen=True)
@@ -106,13 +115,8 @@ class Damping:
         trajectories: of the solution, one for each phase.
         worth: of the term there.
         """
-        times = {own.phase.name: own.times for own in trajectories}
-        told = []
-        for rough in self.controls:
-            start, end = (times[rough.phase][0] + s * np.ptp(times[rough.phase]) for s in (rough.start, rough.end))
-            where = f"{rough.control}{of_phase(rough.phase)} is hardly determined within t = {start:.4g} to {end:.4g}"
-            told.append(f"{where}, and chattered; its oscillations are damped (worth {worth:.1e} of the objective)")
-        return told
+        damped = f"and chattered; its oscillations are damped (worth {worth:.1e} of the objective)"
+        return [f"{rough.told(trajectories)}, {damped}" for rough in self.controls]
 
     def weaker(self) -> Damping:
         return replace(self, strength=self.strength * WEAKER)
@@ -151,6 +155,17 @@ def chatter(trajectories: Sequence[Trajectory], transcription: Transcription) ->
             arcs = _turning(u, tau, layout.mesh.degrees_at_points[known]) if len(u) > TURNS else []
             found += [Rough(layout.phase.name, control.name, *ends, _range(control, u)) for ends in arcs]
     return found
+
+
+def left_alone(trajectories: Sequence[Trajectory], transcription: Transcription) -> list[str]:
+    """What is told of controls that chatter on a mesh that is not refined, a sentence for each such place.
+
+    trajectories: one for each phase.
+    transcription: of the same mesh.
+    """
+    discrete = {own.phase.name for own in trajectories if own.phase.exact}  # each step is what it is there
+    rough = (own for own in chatter(trajectories, transcription) if own.phase not in discrete)
+    return [f"{own.told(trajectories)}, and chatters; refine: {{}} in the file damps its oscillations" for own in rough]
 
 
 def _turning(u: np.ndarray, tau: np.ndarray, degrees: np.ndarray) -> list[tuple[float, float]]:

@@ -78,6 +78,7 @@ CHANGES = (
 def other_starts(problem: Problem, doubtful: bool, exactly: bool | None = None) -> Iterator[OtherStart]:
     """First trajectories that differ from the problem's own.
 
+    problem: any.
     doubtful: whether the problem's own start is only doubtful; then just those whose controls differ are worth a try.
     exactly: whether an integrator simulates the states where equal steps do not hold them, which takes its time; None
         for so where the problem's own start has failed.
@@ -256,7 +257,7 @@ def without_effect(problem: Problem, guesses: Sequence[Curves]) -> list[str]:
         f"{control.name} of phase {phase.name}" if several else control.name
         for phase, guess in zip(problem.phases, guesses, strict=True)
         for control in phase.controls
-        if not phase.algebraic and _without_effect(phase, guess, control.name)
+        if not (phase.algebraic or control.bounds.fixed) and _without_effect(phase, guess, control.name)
     ]
 
 

@@ -39,7 +39,7 @@ def _worthless(trajectory: Trajectory, sense: int, size: float) -> list[Variable
     phase = trajectory.phase
     if trajectory.costate is None or phase.exact or phase.algebraic:
         return []
-    left = [own for own in phase.controls if np.isfinite(own.bounds.upper - own.bounds.lower)]
+    left = [own for own in phase.controls if 0 < own.bounds.upper - own.bounds.lower < np.inf]  # not what is given
     left = [own for own in left if not _is_held(phase, own)]
     for level in ("own", "lower", "upper"):
         if left:

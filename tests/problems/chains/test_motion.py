@@ -1,4 +1,4 @@
-"""Chains against Lagrange's equations by SymPy, and against files with the equations written out."""
+"""Chains against Lagrange's equations by SymEngine, and against files with the equations written out."""
 
 import numpy as np
 import pytest

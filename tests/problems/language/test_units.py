@@ -301,6 +301,61 @@ objective: {{minimize: {{integral: u**2}}}}
     assert any(str(own).startswith(f"x.yaml:5: states.v.rate: {says}") for own in error.value.mistakes), error.value
 
 
+RIDE = """\
+trajopt: 1
+parameters:
+  rho: {value: 1.2, unit: kg/m^3}
+  A: {value: 0.5, unit: m^2}
+  m: {value: 80, unit: kg}
+expressions:
+  drag(w): {value: 0.453*rho*A*w**2, unit: N}
+  power(w): {value: drag(w)*w, unit: W}
+time: {initial: 0, final: 10}
+states:
+  x: {unit: m, rate: v, initial: 0}
+  v: {unit: m/s, rate: (F - drag(v))/m, initial: 0}
+controls: {F: {unit: N, upper: 400}}
+constraints: {path: [{expression: power(v) + power(2*v), upper: 8000}]}
+objective: {maximize: {terminal: "x[final]"}}
+"""
+OF_PHASES = """phases: {a: {time: {final: 5}}, b: {}}
+links: [{name: pull, expression: "m*b.v[initial] + pull(b.x[initial])", lower: 0}]
+"""
+PULL = "  pull(w): {value: 2.7*w, unit: UNIT}\ntime:"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("0.453*", "", []),
+        ("0.453*", "0.5*m*", ['7: expressions.drag(w): drag(w) is said to be in N, and "drag(v)" is in']),
+        ("unit: W", "unit: N", ['8: expressions.power(w): power(w) is said to be in N, and "power(v)" is in m*N/s']),
+        (
+            "unit: N}\n  power",
+            "unit: J}\n  power",
+            ['12: states.v.rate: "drag(v)" is in J, and cannot be added'],
+        ),
+        ("drag(v))/m", "m*drag(v))/m", ['12: states.v.rate: "m*drag(v)" is in kg*N, and cannot be added']),
+        ("power(2*v)", "power(2*x)", ['8: expressions.power(w): power(w) is said to be in W, and "power(2*x)" is in']),
+        ("drag(w)*w", "2*drag(w)", ['8: expressions.power(w): power(w) is said to be in W, and "2*drag(w)" in N']),
+    ],
+)
+def test_the_unit_of_a_function_is_compared_with_what_follows_from_its_calls(old, new, says):
+    assert sentences(RIDE) == []
+    told = sentences(RIDE.replace(old, new))
+    assert [own for own in says if not any(f"file.yaml:{own}" in line for line in told)] == []
+    assert bool(told) == bool(says)
+
+
+def test_the_unit_of_a_function_counts_in_links():
+    text = RIDE.replace("time:", PULL) + OF_PHASES
+    assert sentences(text.replace("UNIT", "kg*m/s")) == []
+    (told,) = sentences(text.replace("UNIT", "N"))
+    assert '"pull(b.x[initial])" is in N, and cannot be added to "m*b.v[initial]", which is in kg*m/s' in told
+    (told,) = sentences(text.replace("2.7*w", "m*w").replace("UNIT", "kg*m/s"))
+    assert "9: expressions.pull(w): pull(w) is said to be in kg*m/s, and" in told
+
+
 @pytest.mark.parametrize("power", [40, 120, 900])
 def test_large_powers_of_units_are_told(power):
     """Pint's factors overflow at some power; the sentence needs none of them."""

@@ -1,6 +1,7 @@
 """What would have to give way: exact where the least change is known, and as `solve` and `explain` tell it."""
 
 import json
+import warnings
 from functools import cache
 
 import numpy as np
@@ -38,7 +39,9 @@ mesh: [{method: hermite-simpson, segments: 6}]
 def explained(text: str):
     spec = load_text(text, "x.yaml")
     own = build(spec)
-    return explain(own, [steps(spec.mesh)[0].mesh()] * len(own.phases))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # NumPy's would reach the user's terminal
+        return explain(own, [steps(spec.mesh)[0].mesh()] * len(own.phases))
 
 
 def moved(explanation) -> dict[str, tuple[float, float]]:

@@ -11,6 +11,9 @@ from named import crossed, share
 from trajopt.cli.errors import TOLERANCE_MISSED
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
+from trajopt.transcription.engines.ipopt import DEFAULTS
+from trajopt.transcription.engines.watch import Watch
+from trajopt.transcription.one_mesh import Origin, solve_mesh
 from trajopt.transcription.schemes.table import METHODS
 from trajopt.transcription.settings import Settings, steps
 from trajopt.transcription.solve import solve
@@ -48,6 +51,20 @@ def failed(text: str, **options):
         problem = build(spec)
         own = [phase.guess for phase in problem.phases]  # given as a guess: no other start is tried
         solution = solve(problem, steps(spec.mesh), Settings({**spec.solver.options, **options}), guess=own)
+    assert not solution.solved
+    assert solution.status.message and solution.status.remedy
+    return solution
+
+
+def failed_mesh(text: str):
+    """As `failed`, on the mesh alone: to find what would have to give way, as test_explain does, takes most time."""
+    spec = load_text(text, "failure.yaml")
+    (step,), settings = steps(spec.mesh), Settings(spec.solver.options)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        problem = build(spec)
+        own = Origin([phase.guess for phase in problem.phases], None)
+        solution, _ = solve_mesh(problem, [step.mesh()], DEFAULTS["tol"], settings, own, Watch(None, None, 0))
     assert not solution.solved
     assert solution.status.message and solution.status.remedy
     return solution
@@ -113,7 +130,7 @@ INFEASIBLE = {
 @pytest.mark.parametrize("case", INFEASIBLE)
 def test_constraints_that_contradict_each_other(case):
     text, conflict, missed = INFEASIBLE[case]
-    solution = failed(text)
+    solution = failed_mesh(text)
     assert solution.status.name in ("INFEASIBLE", "OVERDETERMINED")
     assert solution.trouble.startswith("these cannot all hold: ")
     for part in conflict:
@@ -127,7 +144,7 @@ def test_constraints_that_contradict_each_other(case):
     "method", share([name for name in METHODS if name != "finite-difference"], 3)
 )  # it needs accel:
 def test_every_method_names_the_constraint(method):
-    solution = failed(problem(extra=PATH, method=method, segments=5))
+    solution = failed_mesh(problem(extra=PATH, method=method, segments=5))
     named = solution.trouble.removeprefix("these cannot all hold: ").split(", ")
     ends, over_time = [n for n in named if " value of " in n], [n for n in named if " between " in n]
     assert "the final value of x" in ends and named[: len(ends)] == ends  # what is demanded once is named first
@@ -136,7 +153,7 @@ def test_every_method_names_the_constraint(method):
 
 def test_what_does_not_act_is_not_named():
     loose = PATH.replace("]}", ", {name: loose, expression: v, lower: -50}]}")
-    assert "loose" not in failed(problem(extra=loose)).trouble
+    assert "loose" not in failed_mesh(problem(extra=loose)).trouble
 
 
 NOT_FINITE = {

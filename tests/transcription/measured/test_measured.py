@@ -266,6 +266,25 @@ def test_missing_cells_and_columns_that_count_for_nothing(tmp_path):
     assert [own.values.tolist() for own in build(spec).phases[0].measured] == [[0, 1], [0, 0.4]]
 
 
+@pytest.mark.parametrize(
+    ("of_third", "idle"), [("", ["c, marker"]), ("  z: {file: a.csv, compare: {c: x}}\n", ["marker"])]
+)
+def test_a_column_counts_that_another_entry_of_the_same_file_compares(tmp_path, of_third, idle):
+    (tmp_path / "a.csv").write_text("time,a,b,c,marker,s\n1,1,2,3,0,0.1\n2,0.4,1,2,0,0.2\n")
+    path = tmp_path / "problem.yaml"
+    path.write_text(f"""\
+trajopt: 1
+time: {{initial: 0, final: 2}}
+states: {{x: {{rate: -k*x, initial: 2}}}}
+optimize: {{k: {{lower: 0, upper: 3}}}}
+measurements:
+  x: {{file: a.csv, compare: {{a: x}}, deviations: s}}
+  y: {{file: a.csv, compare: {{b: 2*x}}}}
+{of_third}""")
+    spec = load(path, (), broken.METHODS)
+    assert {w.what for w in spec.warnings} == {f"columns count for nothing: {own}" for own in idle}
+
+
 def test_a_new_problem_has_the_data_of_the_shipped_one(folder):
     run = CliRunner()
     assert run.invoke(app, ["init", "mine", "--from", "gas_oil_cracking"]).exit_code == 0

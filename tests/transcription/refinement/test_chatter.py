@@ -190,3 +190,51 @@ def test_a_mesh_whose_equations_follow_no_dynamics_is_not_believed():
     """On the third mesh negative glucose feeds the bacteria: an objective of 65, with errors of 1."""
     solution = solved("fed_batch_inducer", "refine.tolerance=1e-7", "refine.max_meshes=2")
     assert solution.objective == pytest.approx(0.8165, abs=1e-3)
+
+
+def fixed(text, mesh):
+    spec = load_yaml(f"{text}mesh: [{mesh}]\n")
+    found = solve(build_all(spec), schedule_of(spec), settings_of(spec))
+    assert found.solved
+    return [own for own in found.notes if "chatters" in own]
+
+
+DRAG = """\
+trajopt: 1
+name: a singular arc between two bounds
+time: {initial: 0, final: 4}
+states: {x: {rate: u, initial: 1, final: 0.5}, w: {rate: -w + v, initial: 0}}
+controls: {u: {lower: -1, upper: 1}, v: {lower: 0, upper: 1}}
+objective: {minimize: {integral: x**2 + (w - 0.3)**2}}
+"""
+
+
+@pytest.mark.parametrize("mesh", ["{method: trapezoid, segments: 40}", "{method: hermite-simpson, segments: 25}"])
+@pytest.mark.parametrize("text", [OF_NO_USE, DRAG])
+def test_a_mesh_that_is_not_refined_tells_of_chatter(text, mesh):
+    told = fixed(text, mesh)
+    rough = {own.split()[0] for own in told}
+    assert told and rough <= {"u", "u1", "u2", "v"}
+    assert all(own.endswith(", and chatters; refine: {} in the file damps its oscillations") for own in told)
+
+
+DISCRETE = """\
+trajopt: 1
+name: back and forth in steps
+time: {initial: 0, final: 20}
+states: {x: {next: -x + u, initial: 1}}
+controls: {u: {lower: -1, upper: 1}}
+objective: {minimize: {sum: "(x - 0.5*cos(pi*t))**2 + (u - 0.5*cos(pi*t))**2"}}
+"""
+
+
+def test_controls_that_turn_at_each_step_of_discrete_time_do_not_chatter():
+    spec = load_yaml(DISCRETE)
+    found = solve(build_all(spec), schedule_of(spec), settings_of(spec))
+    u = found.trajectories[0].u[0]
+    assert found.solved and (np.diff(np.sign(np.diff(u[np.isfinite(u)]))) != 0).sum() > 8
+    assert not any("chatters" in own for own in found.notes)
+
+
+def test_a_control_that_switches_once_does_not_chatter():
+    assert fixed(BANG_BANG, "{method: trapezoid, segments: 40}") == []

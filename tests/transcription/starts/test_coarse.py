@@ -8,7 +8,8 @@ from trajopt.problems.build import build
 from trajopt.problems.catalog import shipped
 from trajopt.problems.load import load
 from trajopt.transcription.engines.outcome import Status
-from trajopt.transcription.one_mesh import COARSE, LARGE
+from trajopt.transcription.engines.watch import Watch
+from trajopt.transcription.one_mesh import COARSE, LARGE, Origin, solve_mesh
 from trajopt.transcription.schemes.mesh import Mesh
 from trajopt.transcription.schemes.table import find
 from trajopt.transcription.settings import Settings, Step, settings_of
@@ -29,10 +30,14 @@ def test_the_answer_is_that_of_a_start_from_the_guess(name):
 
 
 def test_it_finds_the_answer_where_the_guess_does_not():
-    step, problem = Step("radau", 250, 1e-8, 4), problem_named("shot_put")
-    own = [phase.guess for phase in problem.phases]  # given as a guess: no other start is tried
-    assert not solve(problem, [step], Settings(coarse_start=False), guess=own).solved
-    assert solve(problem, [step]).solved
+    problem, mesh = problem_named("shot_put"), Step("radau", 250, 1e-8, 4).mesh()
+
+    def on_the_mesh(settings):
+        """Without the other starts that `solve` tries."""
+        return solve_mesh(problem, [mesh], 1e-8, settings, Origin(None, None), Watch(None, None, 0))[0]
+
+    assert not on_the_mesh(Settings(coarse_start=False)).solved
+    assert on_the_mesh(Settings()).solved
 
 
 def test_small_meshes_and_later_ones_and_those_with_a_guess_start_as_they_are():

@@ -250,3 +250,28 @@ def test_a_case_starts_from_what_both_neighbours_foretell(folder):
     assert line["values"] == alone["values"] and line["start"] == "case 4"
     assert line["objective"] == pytest.approx(alone["objective"], rel=1e-8)
     assert line["iterations"] < alone["iterations"]
+
+
+OF_POSITIVE = """
+trajopt: 1
+name: of a positive state
+parameters: {p: 3}
+time: {initial: 0, final: 1}
+states: {x: {rate: u}}
+controls: {u: {}}
+objective: {minimize: {integral: (GROWING - p)**2 + 0.01*u**2}}
+mesh: [{method: radau, segments: 4}]
+guess: {constants: {x: 20}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("growing", "values"), [("log(x)", "3,1.5,0,-1.5"), ("sqrt(x)", "4,2,0.5,0.4"), ("x**0.3", "3,1.5,0.4")]
+)
+def test_a_case_that_fails_from_what_is_foretold_starts_from_its_neighbour(growing, values, folder):
+    """The line through 20 and 4.5 leads to a negative x, where the function has no value."""
+    Path("positive.yaml").write_text(OF_POSITIVE.replace("GROWING", growing))
+    run = trajopt("sweep", "positive.yaml", "--over", f"parameters.p={values}", "--chain", "-q", "-o", "s")
+    records = [json.loads(line) for line in Path("s", "index.jsonl").read_text().splitlines()]
+    assert run.exit_code == 0 and all(record["objective"] < 1e-8 for record in records)
+    assert [record["start"] for record in records] == ["guess", *(f"case {i}" for i in range(len(records) - 1))]
