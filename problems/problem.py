@@ -30,9 +30,6 @@ from .text import short_repr, shorten
 
 MAX_LINES = 5  # of what is shown of a problem
 
-DURATION = "duration"
-"""Name of the constraint that a phase does not end before it begins."""
-
 
 class Curves(Protocol):
     """States and inputs over time, as a solve may start from: a `Guess`, or a solved trajectory.

@@ -143,6 +143,11 @@ class EndConstraint(Constraint):
 
 
 @dataclass(frozen=True)
+class Duration(Constraint):
+    """A phase does not end before it begins: trajopt's own, and no constraint of the file."""
+
+
+@dataclass(frozen=True)
 class Complementarity:
     """a >= 0, b >= 0 and a*b = 0 at every time, relaxed to a*b <= allowed.
 

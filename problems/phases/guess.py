@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..guess import asked_ends, middle
-from ..guesses.conditions import conditioned, known_ends
+from ..guesses.conditions import ENDS, conditioned, known_ends
 from ..guesses.rows import GuessRow, GuessSpan, combined, rows_of
 from ..names.symbols import Symbols
 from ..problem import Phase
@@ -52,20 +52,37 @@ def through_phases(
         )
         for phase in phases
     }
+    before: dict[str, float] = {}
     for phase in phases:
+        jumps = _of_phase(conditioned(links, {**phases[0].guess.parameters, **before}), phase)
         for state in phase.states:
             chain = [by_name[link] for link in _chain(state.name, phase.name, by_name, ways)]
             if chain and state.name not in framed:
                 known = [state.name in settled[link.name] for link in chain]
                 wanted = [asked[link.name][state.name] for link in chain]
+                wanted[0] = _after_jump(wanted[0], jumps.get(f"{state.name}[{ENDS[0]}]"))
                 for name, ends in _lines(state.name, chain, wanted, known):
                     if state.name not in settled[name]:
                         by_name[name] = _with_line(by_name[name], state.name, ends)
+        before |= _guessed_ends(by_name[phase.name])
     first, last = phases[0], phases[-1]
     fixed = first.initial_time.fixed and last.final_time.fixed
     whole = GuessSpan(first.guess.initial_time, last.guess.final_time, fixed)
     rows = rows_of(spec.guess, next(iter(symbols.values())).number, whole)
     return [_with_part(phase, rows, whole, guessed[phase.name]) for phase in by_name.values()]
+
+
+def _after_jump(asked: tuple[Range, Range], jump: Range | None) -> tuple[Range, Range]:
+    """What is asked for at the ends of a phase, its initial value what a condition makes of phases before it."""
+    both = asked[0].intersection(jump or Range())
+    return (both, asked[1]) if both.lower <= both.upper else asked
+
+
+def _guessed_ends(phase: Phase) -> dict[str, float]:
+    """Name of each value at an end of a phase, as conditions on several ask for it -> its guess."""
+    rows = {state.name: phase.guess.values[state.name] for state in phase.states}
+    ends = zip(ENDS, (0, -1), strict=True)
+    return {f"{phase.name}.{name}[{end}]": float(rows[name][place]) for end, place in ends for name in rows}
 
 
 def _known(phase: Phase) -> dict[str, float]:

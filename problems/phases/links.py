@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, count
 
 from ..expressions.expression import Expression
 from ..expressions.tree import Link, Name, OperatorChain
 from ..names.occurrences import boundary_names, link_names
 from ..names.symbols import Symbols
-from ..problem import DURATION, Phase
-from ..quantities import Constraint, Continuity, EndConstraint, Function, Range
+from ..problem import Phase
+from ..quantities import Constraint, Continuity, Duration, EndConstraint, Function, Range
 from ..schema.spec import Spec
 from .between import Between
 from .order import TIME, expression_links, goes_on_in_time, own_entries, passages
@@ -47,7 +48,9 @@ def with_times_in_order(phase: Phase) -> Phase:
     text = "t[final] - t[initial]"
     last, first = Name(0, 0, TIME, "final"), Name(0, 0, TIME, "initial")
     duration = Expression(text, OperatorChain(0, len(text), last, (Link(0, len(text), "-", first),)))
-    return replace(phase, boundary=(*phase.boundary, Constraint(DURATION, duration, Range(lower=0.0))))
+    taken = {own.name for own in phase.boundary}
+    name = next(own for own in chain(["duration"], map("duration_{}".format, count(2))) if own not in taken)
+    return replace(phase, boundary=(*phase.boundary, Duration(name, duration, Range(lower=0.0))))
 
 
 def _passages(spec: Spec, phases: Mapping[str, Phase]) -> list[Constraint]:

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...problems.lean.records import dataclass
 from ...problems.probe import names_asked
-from ...problems.problem import DURATION, Phase
-from ...problems.quantities import Range
+from ...problems.problem import Phase
+from ...problems.quantities import Duration, Range
 from ...transcription.constraint_kinds import ENDS, LINK
 from ..file.reload import Reloaded
 from .check import Check, at
@@ -126,5 +126,7 @@ def _inside(bounds: Range, t: float, near: float) -> bool:
 
 
 def _asked_at_ends(phase: Phase) -> set[str]:
-    functions = [c.function for c in phase.boundary if c.name != DURATION] + ([phase.mayer] if phase.mayer else [])
+    functions = [c.function for c in phase.boundary if not isinstance(c, Duration)] + (
+        [phase.mayer] if phase.mayer else []
+    )
     return set().union(*map(names_asked, functions))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...problems.problem import DURATION, Curves, Phase, Problem
-from ...problems.quantities import Range
+from ...problems.problem import Curves, Phase, Problem
+from ...problems.quantities import Duration, Range
 from ..engines.watch import Limit
 from ..one_mesh import Found
 from ..solution.solution import Solution
@@ -78,5 +78,5 @@ def _held(phase: Phase) -> Phase:
         return replace(phase, final_time=Range(max(end.lower, start.lower + least), end.upper))
     if end.fixed:
         return replace(phase, initial_time=Range(start.lower, min(start.upper, end.lower - least)))
-    held = [replace(own, bounds=Range(lower=least)) if own.name == DURATION else own for own in phase.boundary]
+    held = [replace(own, bounds=Range(lower=least)) if isinstance(own, Duration) else own for own in phase.boundary]
     return replace(phase, boundary=tuple(held))

@@ -262,3 +262,49 @@ def test_a_problem_that_nobody_holds_is_gone(text):
     del spec
     gc.collect()
     assert held() is None
+
+
+DOSED = """\
+trajopt: 1
+name: a vessel into which something is poured
+parameters: {dose: 2, e: 0.5}
+time: {initial: 0, final: 4}
+states:
+  V: {rate: F, initial: 1}
+  w: {rate: -1 + F, initial: 3}
+controls: {F: {lower: 0, upper: 1}}
+phases: {before: {time: {final: 1}, states: {w: {final: 1}}}, after: {}}
+links:
+  - {from: before, to: after, except: [V, w]}
+  - {expression: "after.V[initial] - before.V[final]", equals: dose}
+  - "after.w[initial] == -e*before.w[final]"
+objective: {minimize: {integral: F**2}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wanted"),
+    [
+        ("", "", {"V": (3, 3), "w": (-0.5, -0.5)}),
+        ("w: {rate: -1 + F, initial: 3}", "w: {rate: -1 + F, initial: 3, final: 2}", {"w": (-0.5, 2)}),
+        ("equals: dose", "lower: dose, upper: 2*dose", {"V": (4, 4)}),
+        ("equals: dose", "lower: dose", {"V": (0, 0)}),
+        ("== -e*before.w[final]", "== before.w[final]**2 + before.V[final]", {"w": (2, 2)}),
+        ("after: {}}", "after: {states: {V: {initial: {lower: 0, upper: 9}, final: 5}}}}", {"V": (3, 5)}),
+        ("after: {}}", "after: {guess: {constants: {V: 7}}}}", {"V": (7, 7)}),
+    ],
+)
+def test_the_guess_of_a_state_that_jumps_begins_where_the_link_puts_it(old, new, wanted):
+    assert old in DOSED
+    guess = build(load_yaml(DOSED.replace(old, new))).phases[1].guess
+    assert {name: (guess.values[name][0], guess.values[name][-1]) for name in wanted} == wanted
+
+
+def test_a_volume_that_a_dose_fills_is_divided_by():
+    """Its guess was 0, at which S/V has no value: not solved."""
+    text = DOSED.replace("w: {rate: -1 + F,", "w: {rate: -w/V + F,").replace(
+        "{final: 1}}}, after", "{final: 1.5}}}, after"
+    )
+    spec = load_yaml(text)
+    solution = solve(build(spec), schedule_of(spec))
+    assert solution.solved and solution.trajectories[1].x[0, 0] == pytest.approx(solution.trajectories[0].x[0, -1] + 2)

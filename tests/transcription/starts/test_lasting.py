@@ -75,3 +75,31 @@ def test_no_solution_takes_negative_time(bounds):
         assert solution.status.usable and solution.objective == pytest.approx(7.811311, abs=1e-5)
     else:
         assert not solution.status.usable or solution.objective > 2 * np.pi / np.sqrt(3) - 1e-6
+
+
+SHORT = """
+trajopt: 1
+name: a short move
+time: {initial: {lower: 0, upper: 3, guess: 1}, final: {lower: 0, upper: 6, guess: 2}}
+states: {x: {rate: v, initial: 0, final: 1}, v: {rate: u, initial: 0, final: 0}}
+controls: {u: {lower: -4, upper: 4}}
+objective: {minimize: {integral: u**2}}
+mesh: [{method: radau, segments: 4}]
+constraints: {boundary: [{name: limit, expression: "t[final] - t[initial]", upper: 2.5}]}
+"""
+PHASES = """phases: {first: {}, second: {states: {x: {initial: 0, final: 2}}}}
+links: [{from: first, to: second, apart: true}]
+"""
+TWO = SHORT.replace("mesh:", PHASES + "mesh:")
+HELD = BOTH_FREE + SHORT[SHORT.index("constraints:") :].replace("2.5}", "25}")
+
+
+@pytest.mark.parametrize("name", ["duration", "duration_2"])
+@pytest.mark.parametrize("text", [SHORT, TWO, HELD], ids=["one phase", "two phases", "held"])
+def test_a_constraint_of_the_file_may_be_called_as_that_of_the_order_of_times(text, name):
+    """Both were called so: the bound of the one was taken for that of the other."""
+    told = []
+    for own in (text, text.replace("name: limit", f"name: {name}")):
+        solution = solved(own)
+        told.append((solution.objective, *((s.path, s.derivative, s.note) for s in solution.sensitivities.all)))
+    assert told[0] == told[1]
