@@ -57,7 +57,8 @@ class Loop:
     those of the last. gain: what such gain, of the last mesh that refinement has added. sharp: the barrier has left
     little of the last already.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
-    stands in place of the problem's own. cornered: how often jumps were moved. more: meshes before jumps were moved; then as many may come as at first.
+    stands in place of the problem's own. cornered: how often jumps were moved; more: meshes before, after which as many
+    may come as at first.
     """
 
     def __init__(
@@ -150,7 +151,7 @@ class Loop:
         stays = not at_end and self._stays_lower(number, found)
         if not (at_end or stays) and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
             return None
-        if at_end and (moved := self._at_corners(number, found)):
+        if (at_end or stays) and (moved := self._at_corners(number, found)):
             return moved
         self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
         if self.lower is None or self.limit.reached():
