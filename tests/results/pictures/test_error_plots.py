@@ -68,7 +68,8 @@ def test_pictures_say_why_there_is_no_bar(solved, name, why):
 def test_panels_of_the_errors_and_of_the_meshes_do_not_overlap(solved, name):
     result = read(solved(name))
     for figure in (error_plots.error_figure(result), mesh_plots.mesh_figure(result)):
-        boxes = [ax.get_tightbbox(FigureCanvasAgg(figure).get_renderer()).frozen() for ax in figure.axes]
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        boxes = [ax.get_tightbbox(renderer).frozen() for ax in figure.axes]
         assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
 
 

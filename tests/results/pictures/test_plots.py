@@ -226,7 +226,8 @@ def test_panels_of_one_and_of_many_states_do_not_overlap(folder, states, name):
     assert trajopt("solve", "chain.yaml", "-q").exit_code == 0
     figure = plots.trajectory_figure(read(folder / "chain.h5"))
     assert len(figure.axes) == 2 * states + 1
-    boxes = [ax.get_tightbbox(FigureCanvasAgg(figure).get_renderer()).frozen() for ax in figure.axes]
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    boxes = [ax.get_tightbbox(renderer).frozen() for ax in figure.axes]
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
     assert not any((box.min < 0).any() or (box.max > figure.bbox.size).any() for box in boxes)
 

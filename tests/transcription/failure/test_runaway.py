@@ -123,6 +123,13 @@ def test_independent_equations_name_nobody():
     assert named_dependent("") == ""
 
 
+@pytest.mark.parametrize(("apart", "name"), [(1e-3, False), (1e-5, False), (1e-12, True), (0.0, True)])
+def test_equations_that_say_nearly_the_same_thing(apart, name):
+    """The second is that of the first, times 2, plus a little of another: 1e-5 of it is more than rounding."""
+    twice = f"{{name: one, expression: x, equals: 0.4}}, {{name: two, expression: 2*x + {apart}*t*x, equals: 0.8}}"
+    assert named_dependent(f"constraints: {{integral: [{twice}]}}").startswith("these say the same thing") == name
+
+
 @pytest.mark.parametrize(
     ("division", "base"), [("1/g(x, 0.5)", "g(x, 0.5)"), ("1/(f(f(x) + 1) - 1e-9*u)", "f(1.0 + f(x)) - 1e-09*u")]
 )
