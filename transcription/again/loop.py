@@ -11,12 +11,12 @@ from ..engines.watch import Limit, Watch
 from ..first_mesh import solve_first_mesh
 from ..one_mesh import Found, Origin, solve_mesh
 from ..pontryagin.needles import Lower, lower_hamiltonian
-from ..refinement.basin import in_vain, left_basin, unmeasurable
+from ..refinement.basin import STANDING, in_vain, left_basin, unmeasurable
 from ..refinement.chatter import Damping, chatter, left_alone
 from ..refinement.goal import Goal
 from ..refinement.refine import MERGING_MESHES
 from ..settings import Refine, Settings
-from ..solution.solution import MeshRecord, Solution, with_error_bar
+from ..solution.solution import LARGEST_BAR, MeshRecord, Solution, with_error_bar
 from ..transcribe import Planned, refused
 from .completed import completed
 from .kept import Candidates, Kept
@@ -51,7 +51,8 @@ class Loop:
     the error of their segments, before a finer goal for the objective. stopped: why no mesh came after its own. unmet:
     its segments that miss the tolerance. notes: what was done beyond what was asked. rough: controls chatter, and
     damping them is worse. weakest: controls chatter with weaker damping. lower: controls with a lower Hamiltonian than
-    those of the last. sharp: the barrier has left little of the last already.
+    those of the last. gain: what such gain, of the last mesh that refinement has added. sharp: the barrier has left
+    little of the last already.
     lowered: how often a better solution was looked for from such, most_lowered: at most; not at all from a guess that
     stands in place of the problem's own.
     """
@@ -77,6 +78,7 @@ class Loop:
         self.lowered, self.most_lowered = 0, LOWERED
         self.sharp = False
         self.lower: Lower | None = None
+        self.gain = 0.0
 
     def run(self, start: Origin) -> Solution:
         if start.guess is not None:
@@ -136,20 +138,38 @@ class Loop:
 
     def _lowered(self, number: int, found: Found) -> Found | None:
         """A better solution from controls with a lower Hamiltonian, on the same mesh; None if there is none. It is
-        looked for on the first mesh that is refined, and where no mesh comes after."""
+        looked for on the first mesh that is refined, where the gain stays on the next, and where no mesh comes after.
+
+        Where much is to be gained on one mesh as on the next, and no better solution is found, refinement ends: a
+        control that switches ever faster (chattering) is held by no mesh.
+        """
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
-        if not at_end and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
+        stays = not at_end and self._stays_lower(number, found)
+        if not (at_end or stays) and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
             return None
         self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
-        if self.lower is None or self.lowered == self.most_lowered or self.limit.reached():
+        if self.lower is None or self.limit.reached():
             return None
-        self.lowered += 1
-        other = from_lower(self.steps[number], self._settings(number), found, self.lower, self._watch())
+        other = None
+        if self.lowered < self.most_lowered:
+            self.lowered += 1
+            other = from_lower(self.steps[number], self._settings(number), found, self.lower, self._watch())
         if other:
             before = f"other controls had a lower Hamiltonian along a solution of {found[0].objective:.6g}"
             self.notes += (f"{before}; from them a better one was found",)
-            self.stopped, self.steps[number + 1 :] = "", ()
+            self.stopped, self.steps[number + 1 :], self.gain = "", (), 0.0
+        elif stays and OF_GAIN * self.gain > LARGEST_BAR * (1 + abs(found[0].objective)):
+            segments = found[0].meshes[-1].segments
+            self.stopped = f"other controls have a lower Hamiltonian on {segments} segments as on fewer, by as much"
         return other
+
+    def _stays_lower(self, number: int, found: Found) -> bool:
+        """Whether other controls gain as much on a mesh that refinement has added as on the one before."""
+        if number < self.scheduled or not found[0].status.usable:
+            return False
+        lower, before = lower_hamiltonian(*found, 1.0), self.gain
+        self.gain = lower.gain if lower else 0.0
+        return self.gain > STANDING * before > 0.0
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""

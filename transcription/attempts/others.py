@@ -63,7 +63,7 @@ def _on_more_segments(attempt: Attempt, failed: Found, limit: Limit) -> Found | 
     problem, few = attempt.problem, sum(mesh.segments for mesh in attempt.meshes)
     if not attempt.settings.refine or not of_the_mesh(attempt, failed[0]):
         return None
-    for times, other in product(MORE_SEGMENTS, both_sides(problem)):
+    for times, other in product(MORE_SEGMENTS, both_sides(problem, exactly=True)):
         if limit.reached() or not may_be_divided(problem, attempt.meshes, times):
             return None
         solution, solved = attempt.run(other.guesses, limit, times=times, iterations=ITERATIONS)
@@ -80,7 +80,7 @@ def _others(problem: Problem, usable: bool, many: bool) -> Iterator[OtherStart]:
     if many and chosen_parameters(problem):
         timeless = all(phase.static for phase in problem.phases)
         return other_parameters(problem, MORE if timeless else FEW)
-    return both_sides(problem) if many else other_starts(problem, doubtful=usable)
+    return both_sides(problem, exactly=False) if many else other_starts(problem, doubtful=usable)
 
 
 def _one_of_many(attempt: Attempt, found: Found) -> str:

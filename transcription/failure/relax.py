@@ -153,7 +153,7 @@ def _feasible_on_more(
 
     Simulated states are tried, too.
     """
-    starts = [guess, *(other.guesses for other in both_sides(problem))]
+    starts = [guess, *(other.guesses for other in both_sides(problem, exactly=True))]
     for times, start in product(MORE_SEGMENTS, starts):
         if not may_be_divided(problem, meshes, times) or (stop and stop()):
             return None

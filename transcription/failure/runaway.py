@@ -29,6 +29,9 @@ FALLEN = 1e6  # of 1 + the first objective: an objective that has fallen by more
 FALLEN_THROUGH = 1e3  # the same, where a denominator is at zero as well
 NEAR_ZERO = 1e-3  # of its largest size, of a denominator that an objective runs away through
 
+ROUNDS, CLOSER, GROWN = 4, 1000, 10.0
+"""Times to come closer to a pole, each time by so much, and what a function has grown by then: it should by 1e6."""
+
 REMEDY = "give it bounds, or check the sign of the objective"
 
 
@@ -126,13 +129,30 @@ def _divisions(trajectory: Trajectory, crossed: bool = False) -> Iterator[str]:
                 continue
             den, points = symbolic.numbers(base)
             at = int(np.argmin(np.abs(den)))
-            both = den.min() < 0 < den.max()
+            both = den.min() < 0 < den.max() and (not crossed or _is_pole(function, base, symbolic.values))
             if both or (not crossed and abs(den[at]) <= NEAR_ZERO * np.abs(den).max()):
                 text, where = shorten(str(base)), f"{names[0]} = {points[at, 0]:.3g}, t = {values['t'][at]:.6g}"
                 does = "changes its sign" if crossed else "runs to zero"
                 what = f"{owner}{of_phase(phase.name)} divides by {text}, which {does} ({where})"
                 so = "" if crossed else ", so there is no limit to it"
                 yield f"{what}{so}: give {names[0]} a bound that keeps {text} away from zero"
+
+
+def _is_pole(function: Function, base: Any, values: Mapping[str, Any]) -> bool:
+    """Whether a function has no limit where a denominator in it changes its sign: sin(x)/x has one, where x does.
+
+    function: of the values. base: the denominator. values: name -> at the points, (K,), or at all; between the points a
+    straight line is followed to the first change of sign, ever closer.
+    """
+    sizes = []
+    for _ in range(ROUNDS):
+        den, _points = _Symbolic(values).numbers(base)
+        at = int(np.argmax(den[:-1] * den[1:] <= 0))
+        ends = {name: np.broadcast_to(own, den.shape)[at : at + 2] for name, own in values.items()}
+        with np.errstate(all="ignore"):
+            sizes.append(float(np.nan_to_num(np.abs(function(ends, np)), posinf=inf).max()))
+        values = {name: np.linspace(first, last, CLOSER + 1) for name, (first, last) in ends.items()}
+    return sizes[-1] == inf or sizes[-1] > GROWN * sizes[1]
 
 
 class _Symbolic:

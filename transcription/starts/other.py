@@ -75,28 +75,33 @@ CHANGES = (
 )
 
 
-def other_starts(problem: Problem, doubtful: bool) -> Iterator[OtherStart]:
+def other_starts(problem: Problem, doubtful: bool, exactly: bool | None = None) -> Iterator[OtherStart]:
     """First trajectories that differ from the problem's own.
 
+    problem: any.
     doubtful: whether the problem's own start is only doubtful; then just those whose controls differ are worth a try.
+    exactly: whether an integrator simulates the states where equal steps do not hold them, which takes its time; None
+        for so where the problem's own start has failed.
     """
     free = any(not phase.final_time.fixed for phase in problem.phases)
     for change in CHANGES:
         other_controls = change.level is not None and change.last is None
         if (change.longer and not free) or (doubtful and (not other_controls or change.longer)):
             continue
-        yield OtherStart(change.words, [_changed(phase, change) for phase in problem.phases])
+        exactly = not doubtful if exactly is None else exactly
+        yield OtherStart(change.words, [_changed(phase, change, exactly) for phase in problem.phases])
 
 
-def both_sides(problem: Problem) -> Iterator[OtherStart]:
+def both_sides(problem: Problem, exactly: bool) -> Iterator[OtherStart]:
     """The first of the other starts: controls above, and below, the middle of their bounds.
 
     problem: any.
+    exactly: as of `other_starts`.
     """
-    return islice(other_starts(problem, doubtful=True), 2)
+    return islice(other_starts(problem, True, exactly), 2)
 
 
-def _changed(phase: Phase, change: _Change) -> Guess:
+def _changed(phase: Phase, change: _Change, exactly: bool) -> Guess:
     guess = phase.guess
     if change.longer and not phase.final_time.fixed:
         final = guess.initial_time + LONGER * (guess.final_time - guess.initial_time)
@@ -108,21 +113,22 @@ def _changed(phase: Phase, change: _Change) -> Guess:
         control.name: np.linspace(at_level(control, change.level), at_level(control, last), POINTS)
         for control in phase.controls
     }
-    return under_controls(phase, guess, levels)
+    return under_controls(phase, guess, levels, exactly)
 
 
-def under_controls(phase: Phase, guess: Guess, controls: Mapping[str, np.ndarray]) -> Guess:
+def under_controls(phase: Phase, guess: Guess, controls: Mapping[str, np.ndarray], exactly: bool = True) -> Guess:
     """A guess with other controls, and the states simulated under them unless there are algebraic variables.
 
     phase: one with controls.
     guess: its times and initial states are kept.
     controls: name of each -> its values at POINTS equally spaced times, shape (POINTS,).
+    exactly: as of `other_starts`.
     """
     guess = replace(guess, parameters={**guess.parameters, **phase.times_in(guess)})
     s = np.linspace(0.0, 1.0, POINTS)
     values = guess.samples(s) | dict(controls)
     if not phase.algebraic:
-        values |= _simulated(phase, guess, s, values)
+        values |= _simulated(phase, guess, s, values, exactly)
     return replace(guess, s=s, values=values)
 
 
@@ -138,7 +144,9 @@ def at_level(control: Variable, level: float) -> float:
     return control.bounds.clip(2 * level)
 
 
-def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _simulated(
+    phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.ndarray], exactly: bool
+) -> dict[str, np.ndarray]:
     """States simulated from their guessed initial values, bent to their given final ones; empty if they run away.
 
     s: (K,) normalised times. values: name of each state and input -> (K,).
@@ -148,7 +156,7 @@ def _simulated(phase: Phase, guess: Guess, s: np.ndarray, values: dict[str, np.n
     u = np.array([values[variable.name] for variable in phase.inputs])
     x0 = np.array([state.initial.clip(values[state.name][0]) for state in phase.states])
     with np.errstate(all="ignore"):
-        x = _course(_rates(phase, guess), t, x0, u)
+        x = (_course if exactly else _by_equal_steps)(_rates(phase, guess), t, x0, u)
     if not (np.abs(x) < LARGEST).all():
         return {}
     found = {}
@@ -181,9 +189,14 @@ def _course(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray) -> np.nd
 
     Where twice the steps lead elsewhere, as with rates that are fast or have poles, an integrator chooses its own.
     """
-    x, finer = (_stepped(rates, t, x0, u, steps) for steps in (1, 2))
+    x, finer = _by_equal_steps(rates, t, x0, u), _stepped(rates, t, x0, u, 2)
     size = SAME * (np.abs(finer).max(axis=1) + np.abs(x0))
     return x if (np.abs(x - finer).max(axis=1) <= size).all() else _integrated(rates, t, x0, u)
+
+
+def _by_equal_steps(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """As `_course`, by a step from each time to the next, wherever that leads."""
+    return _stepped(rates, t, x0, u, 1)
 
 
 def _stepped(rates: Rates, t: np.ndarray, x0: np.ndarray, u: np.ndarray, steps: int) -> np.ndarray:

@@ -44,6 +44,17 @@ states: {x: {rate: u, initial: 0, final: 0.5}}
 controls: {u: {lower: 0, upper: 1}}
 objective: {minimize: {integral: "sqrt(u + 0.01)"}}
 """
+SLIDE = """\
+trajopt: 1
+name: slide in feet
+time: {initial: 0, final: {lower: 0, upper: 20}}
+states:
+  across: {rate: s*cos(angle), initial: 0, final: REACH}
+  drop: {rate: s*sin(angle), initial: 0, final: 6}
+  s: {rate: 32.174*sin(angle), initial: 0}
+controls: {angle: {lower: -pi, upper: pi}}
+objective: {minimize: {terminal: "t[final]"}}
+"""
 LOWER = "has a lower Hamiltonian"
 
 
@@ -100,3 +111,11 @@ def test_on_a_given_mesh_too():
 
 def test_of_a_minimum_nothing_is_told():
     assert not any(LOWER in note for note in solved(WELLS.replace("(u**2 - 1)**2", "u**2")).notes)
+
+
+@pytest.mark.parametrize("reach", [20, 23])
+def test_what_stays_to_be_gained_from_mesh_to_mesh_is_gone_for_at_once(reach):
+    """A stationary ride turns on its way; the one without a turn was found after the last of eleven meshes only."""
+    solution = solved(SLIDE.replace("REACH", str(reach)))
+    assert solution.solved and not solution.inaccurate and len(solution.meshes) < 9
+    assert any("from them a better one was found" in note for note in solution.notes)

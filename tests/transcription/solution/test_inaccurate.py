@@ -76,6 +76,25 @@ def test_a_pole_that_is_crossed_is_named(told):
     assert any(word.startswith(told) and "a bound that keeps" in word for word in words), words
 
 
+NO_POLES = {
+    "a sine": "{x: {rate: v, initial: -2, final: 2.5}, v: {rate: u - sin(5*x)/x, initial: 0, final: 0}}",
+    "a growth": "{x: {rate: v, initial: -2, final: 2.5}, v: {rate: u - 9*(exp(3*x) - 1)/x, initial: 0, final: 0}}",
+    "a square": "{x: {rate: v, initial: -3, final: 3}, v: {rate: u - 4*(1 - cos(6*x))/x**2, initial: 0, final: 0}}",
+}
+
+
+@pytest.mark.parametrize("told", NO_POLES)
+def test_a_quotient_with_a_limit_has_no_pole(told):
+    """On a mesh that is too coarse: sin(x)/x is as smooth as any where x changes its sign."""
+    text = f"trajopt: 1\nname: limit\ntime: {{initial: 0, final: 2}}\nstates: {NO_POLES[told]}\n"
+    solution = solved(
+        f"{text}controls: {{u: {{}}}}\nobjective: {{minimize: {{integral: u**2}}}}\n"
+        "mesh: [{method: trapezoid, segments: 7}]\n"
+    )
+    assert solution.solved and solution.inaccurate and solution.objective_error.applies
+    assert not any("divides" in note for note in solution.notes)
+
+
 COARSE = {
     "a disc is cut": """
 states: {x: {rate: u, initial: 0, final: 1}, y: {rate: w, initial: 0, final: 1}}

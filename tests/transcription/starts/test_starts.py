@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from trajopt.problems.build import build
 from trajopt.problems.load import load_text
-from trajopt.transcription.starts.other import CHANGES, other_starts, without_effect
+from trajopt.transcription.starts.other import CHANGES, both_sides, other_starts, without_effect
 
 TOO_SHORT = """
 trajopt: 1
@@ -143,6 +143,25 @@ def test_other_starts_stay_inside_the_bounds():
         for variable in (*phase.states, *phase.inputs):
             values = guess.values[variable.name]
             assert (values >= variable.bounds.lower).all() and (values <= variable.bounds.upper).all()
+
+
+FAST = """
+trajopt: 1
+name: fast decay towards a control
+time: {initial: 0, final: 1}
+states: {x: {rate: "-RATE*(x - u)", initial: 1}}
+controls: {u: {lower: 0, upper: 4}}
+objective: {minimize: {integral: x**2}}
+"""
+
+
+@pytest.mark.parametrize("rate", [500, 2e4])
+def test_an_integrator_is_asked_only_where_the_start_has_failed(rate):
+    """Equal steps run away from a rate as fast, so that the guess of the states stays; x goes to u = 3 at once."""
+    problem = build(load_text(FAST.replace("RATE", str(rate)), "fast.yaml"))
+    for exactly, end in ((True, 3.0), (False, 1.0)):
+        first, _ = both_sides(problem, exactly)
+        assert first.guesses[0].samples(np.array([1.0]))["x"] == pytest.approx(end, abs=1e-2)
 
 
 COASTS = """
