@@ -18,8 +18,10 @@ def estimate_lines(found: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
         return
     for name, own in found["parameters"].items():
         unit = f" {own['unit']}" if own["unit"] else ""
-        yield "estimate", f"{name} = {cell(own['value'], '.6g')} +- {cell(own['standard_error'], '.2g')}{unit}"
-    count = f"{found['measurements']} measurements, {found['free']} unknowns"
+        error, why = own["standard_error"], "" if found["missing"] else ", on a bound: taken as known"
+        known = f" +- {cell(error, '.2g')}{unit}" if error is not None else f"{unit}{why}"
+        yield "estimate", f"{name} = {cell(own['value'], '.6g')}{known}"
+    count = f"{found['measurements']} measurements, {found['free']} unknown{'s' * (found['free'] != 1)}"
     if found["missing"]:
         yield "fit", f"{count}; no standard errors: {found['missing']}"
         return

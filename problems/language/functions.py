@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..expressions.expression import Expression
-from ..expressions.signature import Signature, signature
+from ..expressions.signature import Signature, name_trouble, signature
 from ..expressions.tree import Link, Lookup, Name, Node, OperatorChain, Written, below, leaves, nodes, placed, rebuilt
 from ..lean.records import dataclass
 from ..names.circles import untangle
@@ -160,6 +160,8 @@ class _Writer:
     def _call(self, node: Lookup, given: list[_Tree]) -> _Tree:
         """The body of a function with what it is given in place of its arguments."""
         wanted = self.declared[node.table].signature
+        if any(name_trouble(name) for name in wanted.arguments):  # told where it is declared
+            raise _Mistaken
         if len(given) != len(wanted.arguments):
             many = f"{len(wanted.arguments)} argument{'s' * (len(wanted.arguments) > 1)}"
             self._refuse(node, f"{node.table} takes {many}, not {len(given)}", f"write {wanted.called}")

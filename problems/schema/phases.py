@@ -134,6 +134,10 @@ class Waypoint(Entry):
         """{x: 1, y: 2} is short for {states: {x: 1, y: 2}}."""
         if not isinstance(data, dict) or "states" in data:
             return data
+        if not data.keys() - {"name", "time"}:
+            raise mistake(
+                "no state has a value at this place", "add one to it, such as x: 1, or leave the waypoint out"
+            )
         own = {key: value for key, value in data.items() if key in ("name", "time")}
         return own | {"states": {key: value for key, value in data.items() if key not in own}}
 

@@ -242,3 +242,28 @@ def test_a_solve_may_draw_its_result(folder):
     assert result.exit_code == 0
     assert "picture: a.png" in result.stderr
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+FITTED = """\
+trajopt: 1
+time: {initial: 0, final: 2}
+states: {x: {rate: -k*x, initial: 2}}
+optimize: {k: {lower: 0, upper: 0.3, unit: 1/s}}
+measurements: {run: {data: {time: [1, 2], x: [0.9, 0.3]}, deviations: 0.1}}
+mesh: [{method: radau, segments: 2}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("upper", "says", "fit"),
+    [
+        ("0.3", "k = 0.3 1/s, on a bound: taken as known", "2 measurements, 0 unknowns"),
+        ("3", r"k = 0\.8\d* \+- 0\.0\d* 1/s", "2 measurements, 1 unknown;"),
+    ],
+)
+def test_an_estimate_on_its_bound_is_told_as_that(upper, says, fit):
+    Path("fit.yaml").write_text(FITTED.replace("upper: 0.3", f"upper: {upper}"))
+    lines = trajopt("solve", "fit.yaml").stdout.splitlines()
+    (estimate,) = (own.split(maxsplit=1)[1] for own in lines if own.startswith("estimate"))
+    (told,) = (own.split(maxsplit=1)[1] for own in lines if own.startswith("fit  "))
+    assert re.fullmatch(says, estimate) and told.startswith(fit)

@@ -106,3 +106,11 @@ def test_what_would_be_too_large_is_told(body, call):
     with pytest.raises(SpecError) as error:
         load_text(CALLED.replace("sq(a): a**2", f"sq(a): {body}").replace("sq(u) + sq", f"{call} + sq"), "x.yaml")
     assert [str(m) for m in error.value.mistakes if "objective.minimize.integral" in str(m) and "too large" in str(m)]
+
+
+@pytest.mark.parametrize("signature", ["drag(v, )", "drag(v, 2h)", "drag(v, pi)"])
+def test_calls_of_a_function_with_a_mistaken_argument_bring_no_mistakes_of_their_own(signature):
+    text = CALLED.replace("drag(v, h): 0.5*k*sq(v)*exp(-h/H)", f'"{signature}": 0.5*k*sq(v)')
+    with pytest.raises(SpecError) as error:
+        load_text(text.replace("drag(v, x)", "drag(v)"), "x.yaml")
+    assert all(f"x.yaml:6: expressions.{signature}: argument 2" in str(own) for own in error.value.mistakes)
