@@ -20,14 +20,12 @@ from .rounding import met_to_rounding
 
 MOST_RELAXED = 1e-10
 
-TOLERANCE = 1e-8
-
 DEFAULTS = {
     # IPOPT's own 1e-8 lets the optimum of Bryson and Denham's problem gain 3e-7, which no error estimate sees.
     "bound_relax_factor": MOST_RELAXED,
     "print_level": 0,
     "sb": "yes",
-    "tol": TOLERANCE,
+    "tol": 1e-8,
     # IPOPT's own 15 iterations at an acceptable point end solves that are still on their way: singular controls, where
     # the regularisation of the Hessian falls by a third in each.
     "acceptable_iter": 80,
@@ -68,8 +66,8 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
-LAST_BARRIER = TOLERANCE / 11
-"""The barrier parameter at which IPOPT ends by its default tolerance: tol / (barrier_tol_factor + 1)."""
+LAST_BARRIER = 9e-10
+"""Just below the barrier parameter at which IPOPT ends by its default tolerance, tol / (barrier_tol_factor + 1)."""
 
 WARM = {
     # A larger barrier is where a loose tolerance stops. 1e-8 takes an iteration more on most meshes: 4856 against 4638
