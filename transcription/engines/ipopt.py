@@ -66,13 +66,8 @@ FREQUENT_OPTIONS = (
 """Only to suggest a name for one that IPOPT does not know; any option IPOPT knows is taken."""
 
 
-LAST_BARRIER = 9e-10
-"""Just below the barrier parameter at which IPOPT ends by its default tolerance, tol / (barrier_tol_factor + 1)."""
-
 WARM = {
-    # A larger barrier is where a loose tolerance stops. 1e-8 takes an iteration more on most meshes: 4856 against 4638
-    # over the shipped problems, 3.9 against 3.1 in a case of a chained sweep.
-    "warm_start_init_point": "yes", "mu_init": LAST_BARRIER,
+    "warm_start_init_point": "yes", "mu_init": 1e-8,  # a larger one is where a loose tolerance stops
     "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
     "warm_start_slack_bound_push": 1e-6, "warm_start_slack_bound_frac": 1e-6, "warm_start_mult_bound_push": 1e-8,
     # Few iterations follow, where MUMPS's search for large pivots beforehand takes longer than it saves: 0.94 of the
