@@ -70,9 +70,6 @@ WARM = {
     "warm_start_init_point": "yes", "mu_init": 1e-8,  # a larger one is where a loose tolerance stops
     "warm_start_bound_push": 1e-6, "warm_start_bound_frac": 1e-6,
     "warm_start_slack_bound_push": 1e-6, "warm_start_slack_bound_frac": 1e-6, "warm_start_mult_bound_push": 1e-8,
-    # Few iterations follow, where MUMPS's search for large pivots beforehand takes longer than it saves: 0.94 of the
-    # engine's time over the shipped problems, 0.83 for the cart-pole on 1000 segments. From a guess it pays.
-    "mumps_scaling": 0, "mumps_permuting_scaling": 0,
 }  # fmt: skip
 
 
