@@ -74,14 +74,14 @@ def test_a_jump_is_where_the_hamiltonian_does_not_jump(roots, method):
 
 
 def test_a_temperature_that_jumps_is_moved_to_the_corner():
-    """In phases, with its switches as free times, this problem has 0.3538211697; the first meshes lead to 0.353812."""
+    """In phases, with its switches as free times, this problem has 0.3538211711; the first meshes lead to 0.353812."""
     solution = trajopt.solve(
         trajopt.load(SHALE, {"mesh": [{"method": "gauss", "segments": 10}], "refine": {"tolerance": 1e-6}})
     )
     assert solution.solved
     assert any("same before and after" in note for note in solution.notes)
-    assert solution.objective == pytest.approx(0.3538211697, abs=5e-8)
-    assert abs(solution.objective - 0.3538211697) <= 2 * solution.meshes[-1].objective_error
+    assert solution.objective == pytest.approx(0.3538211711, abs=5e-8)
+    assert abs(solution.objective - 0.3538211711) <= solution.meshes[-1].objective_error + 1e-10
 
 
 def test_a_mesh_that_is_not_refined_stays_and_its_bar_says_so():
@@ -89,4 +89,4 @@ def test_a_mesh_that_is_not_refined_stays_and_its_bar_says_so():
     (record,) = solution.meshes
     assert record.segments == 20
     assert np.ptp(record.mesh.widths) < 1e-12
-    assert abs(solution.objective - 0.3538211697) <= record.objective_error
+    assert abs(solution.objective - 0.3538211711) <= record.objective_error
