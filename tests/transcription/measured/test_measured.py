@@ -216,7 +216,7 @@ def test_a_command_prints_and_gives_the_estimates(folder):
         .replace("time: [2], x: [0.05]", "time: [1, 2], x: [0.2, 0.05]")
     )
     run = CliRunner().invoke(app, ["solve", "decay.yaml"])
-    assert run.exit_code == 0 and "estimate    k = " in run.stdout and "2 measurements, 1 unknowns" in run.stdout
+    assert run.exit_code == 0 and "estimate    k = " in run.stdout and "2 measurements, 1 unknown;" in run.stdout
     shown = json.loads(CliRunner().invoke(app, ["show", "decay.h5", "--json"]).stdout)["estimates"]
     assert shown["parameters"]["k"]["standard_error"] > 0 and shown["correlation"] == {"k": {"k": 1.0}}
 
