@@ -23,7 +23,6 @@ from ..dual.multipliers import Multipliers
 from ..engines.outcome import Start
 from ..engines.watch import Limit, Watch
 from ..layout import bounded_start
-from ..libraries.alone import building
 from ..measured.knots import measured_fractions
 from ..one_mesh import Found, engine_of, in_place, measured
 from ..refinement.switches import Switches
@@ -212,11 +211,10 @@ def _on_moved(
     clock = [time.perf_counter()]
     own = [[move for (number, *_), move in moves.items() if number == i] for i in range(len(solution.trajectories))]
     meshes = [_moved(trajectory.mesh, its) for trajectory, its in zip(solution.trajectories, own, strict=True)]
-    with building():
-        transcription, nlp, built = program(problem, meshes, solution.trajectories)
-        clock += [built, time.perf_counter()]
-        _, *bounds = bounded_start(transcription)
-    engine = engine_of(transcription, nlp, (bounds[0], bounds[1]), solved.damping, settings, watch)
+    transcription, nlp, built = program(problem, meshes, solution.trajectories)
+    clock += [built, time.perf_counter()]
+    _, lower, upper = bounded_start(transcription)
+    engine = engine_of(transcription, nlp, (lower, upper), solved.damping, settings, watch)
     before = solved.outcome
     start = Start(before.y, before.z_lower, before.z_upper)
     outcome = engine(before.z, {"tol": tolerance, **settings.options}, start)

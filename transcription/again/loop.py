@@ -148,12 +148,12 @@ class Loop:
         control that switches ever faster (chattering) is held by no mesh.
         """
         at_end = bool(self.stopped) or number + 1 == len(self.steps)
-        stays = not at_end and self._stays_lower(number, found)
+        stays = None if at_end else self._stays_lower(number, found)
         if not (at_end or stays) and (number + 1 != self.scheduled or self.lowered == self.most_lowered):
             return None
         if (at_end or stays) and (moved := self._at_corners(number, found)):
             return moved
-        self.lower = lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
+        self.lower = stays or lower_hamiltonian(*found, NOTICED if self.stopped else 1.0)
         if self.lower is None or self.limit.reached():
             return None
         other = None
@@ -173,23 +173,24 @@ class Loop:
         """The solution with jumps of controls where the Hamiltonian does not jump; None if that is no better."""
         if not self.settings.refine or self.cornered >= self.most_lowered:
             return None
-        moved = at_corners(self.steps[number], self._settings(number), found, self._watch())
+        step = self.steps[number]
+        moved = at_corners(step, self._settings(number), found, self._watch())
         if moved:
             self.cornered += 1
             self.notes = tuple(dict.fromkeys((*self.notes, MOVED)))
             self.more = number + 1 - self.scheduled
-            problem, _, tolerance = self.steps[number]
-            self.steps[number:] = [(problem, list(moved[0].meshes[-1].grids), tolerance)]
+            self.steps[number:] = [_on_grids_of(moved, step)]
             self.stopped = ""
         return moved
 
-    def _stays_lower(self, number: int, found: Found) -> bool:
-        """Whether other controls gain as much on a mesh that refinement has added as on the one before."""
+    def _stays_lower(self, number: int, found: Found) -> Lower | None:
+        """Controls with a lower Hamiltonian on a mesh that refinement has added, if they gain as much as on the one
+        before."""
         if number < self.scheduled or not found[0].status.usable:
-            return False
+            return None
         lower, before = lower_hamiltonian(*found, 1.0), self.gain
         self.gain = lower.gain if lower and lower.gain > WORTH_TELLING * (1 + abs(found[0].objective)) else 0.0
-        return self.gain > STANDING * before > 0.0
+        return lower if self.gain > STANDING * before > 0.0 else None
 
     def _solved(self, number: int, start: Origin) -> Found | None:
         """The solution on a mesh; None if it is none, or of another optimum, and the one before stands."""
@@ -200,8 +201,7 @@ class Loop:
             found = from_coarser(self.steps[number], settings, start, watch, asked=number < self.scheduled)
         else:
             found = solve_first_mesh(*self.steps[number], settings, start, watch)
-            problem, _, tolerance = self.steps[number]
-            self.steps[number] = problem, list(found[0].meshes[-1].grids), tolerance  # it may have more segments
+            self.steps[number] = _on_grids_of(found, self.steps[number])  # it may have more segments
         found = with_short_turns(self.steps[number], settings, found, start.damping, watch)
         solution, solved = self._calmed(number, found, watch)
         self.notes += solution.notes
@@ -317,3 +317,9 @@ class Loop:
 
     def _watch(self) -> Watch:
         return Watch(self.progress, self.limit.reached, len(self.history))
+
+
+def _on_grids_of(found: Found, step: Planned) -> Planned:
+    """A solve as it was planned, but on the meshes of a solution."""
+    problem, _, tolerance = step
+    return problem, list(found[0].meshes[-1].grids), tolerance

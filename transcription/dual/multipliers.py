@@ -295,7 +295,8 @@ def _value_of(name: str) -> Function:
 def _determined_at_ends(layout: Layout) -> np.ndarray:
     """Where the unknowns stand at both ends that the states determine, of any number."""
     phase = layout.phase
-    known = [own.name in determined(phase).names for own in phase.inputs] if phase.algebraic else []
+    names = determined(phase).names if phase.algebraic else ()
+    known = [own.name in names for own in phase.inputs]
     return layout.u[np.array(known, bool)][:, [0, -1]].ravel() if any(known) else np.zeros(0, int)
 
 
